@@ -284,11 +284,11 @@ JobExpected<void> JobQueue::cancel(JobId number, const std::string& owner) {
     }
     if (const auto group = groups_.find(number); group != groups_.end() && !group->second.stored.whole())
       make_whole(group->second);  // whoever is submitting it is refused
-    if (entry.stage == Stage::kOver || entry.stage == Stage::kWriting)
+    if (entry.stage == Stage::kOver || entry.stage == Stage::kWriting || entry.stage == Stage::kAwaitsFrames)
       return job_error(JobErrorKind::kNotNow,
                        fmt::format("job {} is {}", entry.number(),
-                                   entry.stage == Stage::kWriting ? "over: its files are being written"
-                                                                  : state_words(entry.job.status().state())));
+                                   entry.stage == Stage::kOver ? state_words(entry.job.status().state())
+                                                               : "over: its files are being written"));
     entry.job.set_cancelled(true);
     if (entry.stage == Stage::kOpen) changes_.emplace_back(CancelJob{entry.number()});
     // If an earlier service has rendered a part of it, its files are written when its turn comes.
@@ -336,6 +336,7 @@ void JobQueue::queue_again(Entry& first) {
     entry.stage = Stage::kWaiting;
     entry.job.set_cancelled(false);
     entry.job.set_untold(false);
+    entry.job.set_whole(false);
     wire::JobStatus& status = *entry.job.mutable_status();
     status.set_state(wire::JOB_QUEUED);
     status.clear_error();

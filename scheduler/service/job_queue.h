@@ -92,6 +92,16 @@ class JobQueue {
   /// The farm is done with the job and its files are being written, so it cannot be cancelled any more.
   /// Returns whether it was cancelled.
   bool begin_writing(JobId job);
+  /// The job is rendered, and its image has all its samples; it is a frame that is denoised once those beside
+  /// it are there.
+  void await_frames(JobId job);
+  struct FrameImage {
+    int frame = 0;
+    std::filesystem::path exr;
+  };
+  /// The images with which such a frame is denoised: of the frames beside it that have one. Nothing while
+  /// more may come.
+  [[nodiscard]] std::optional<std::vector<FrameImage>> frames_beside(JobId job);
   /// The job is over. Its files are those in its folder. Jobs that come after it can begin, or fail too.
   void end(JobId job, wire::JobState state, const std::string& error);
   /// Queues the job again.
@@ -114,7 +124,14 @@ class JobQueue {
   std::vector<JobId> remove_older_than(double seconds);
 
  private:
-  enum class Stage { kWaiting, kPreparing, kOpen, kWriting, kOver };
+  enum class Stage {
+    kWaiting,
+    kPreparing,
+    kOpen,
+    kWriting,
+    kAwaitsFrames,  ///< see await_frames()
+    kOver
+  };
   struct Entry {
     wire::StoredJob job;
     Stage stage = Stage::kWaiting;
@@ -139,6 +156,8 @@ class JobQueue {
   void add(const std::vector<Entry*>& entries, wire::StatusReply& reply) const;
   [[nodiscard]] static bool is_whole(const Group& group);
   [[nodiscard]] bool is_over(const Group& group) const;
+  /// Whether all its jobs are rendered or over.
+  [[nodiscard]] bool is_rendered(const Group& group) const;
   [[nodiscard]] Readiness readiness_of(JobId number);
   /// `known`: what readiness_of() has answered so far.
   [[nodiscard]] Readiness readiness(const Entry& entry, std::map<JobId, Readiness>& known);
@@ -146,7 +165,7 @@ class JobQueue {
   /// After jobs have ended: ends those that are hopeless, and queues frames again.
   void settle();
   void queue_again(Entry& entry);
-  /// Once all jobs of the group are over, queues those frames again that failed, each once.
+  /// Once all jobs of the group are rendered or over, queues those frames again that failed, each once.
   void try_frames_again(const Group& group);
   void forget(JobId job);
   [[nodiscard]] std::optional<Ended> untold_end();

@@ -33,6 +33,13 @@ bool JobQueue::is_over(const Group& group) const {
          });
 }
 
+bool JobQueue::is_rendered(const Group& group) const {
+  return is_whole(group) && std::ranges::all_of(group.jobs, [this](JobId job) {
+           const Stage stage = entries_.at(job).stage;
+           return stage == Stage::kAwaitsFrames || stage == Stage::kOver;
+         });
+}
+
 /// A job that was removed was over; if it was not done, those that come after it have failed then.
 JobQueue::Readiness JobQueue::readiness_of(JobId number) {
   const auto group = groups_.find(number);
@@ -180,6 +187,46 @@ bool JobQueue::begin_writing(JobId job) {
   return entry.job.cancelled();
 }
 
+void JobQueue::await_frames(JobId job) {
+  const std::lock_guard lock(mutex_);
+  Entry& entry = entries_.at(job);
+  entry.stage = Stage::kAwaitsFrames;
+  entry.job.set_whole(true);
+  settle();
+}
+
+std::optional<std::vector<JobQueue::FrameImage>> JobQueue::frames_beside(JobId job) {
+  const std::lock_guard lock(mutex_);
+  const Entry& own = entries_.at(job);
+  const wire::FramesBeside& beside = own.job.submission().beside();
+  const auto group = groups_.find(own.job.status().group());
+  std::vector<FrameImage> images;
+  for (const int frame : beside.frames()) {
+    if (group == groups_.end()) break;
+    const auto found = std::ranges::find_if(group->second.jobs, [&](JobId other) {
+      const wire::Submission& submission = entries_.at(other).job.submission();
+      return submission.has_beside() && submission.beside().shot() == beside.shot() &&
+             submission.frame() == frame;
+    });
+    if (found == group->second.jobs.end()) {
+      if (!is_whole(group->second)) return {};
+      continue;
+    }
+    const Entry& other = entries_.at(*found);
+    const wire::JobState state = other.job.status().state();
+    const bool has_failed = state == wire::JOB_FAILED || state == wire::JOB_INCOMPLETE;
+    if (other.stage != Stage::kOver && other.stage != Stage::kAwaitsFrames) return {};
+    // A frame that gets another try is queued again once the whole group is rendered.
+    if (has_failed && !other.job.tried_again() && !is_rendered(group->second)) return {};
+    if (!other.job.whole()) continue;
+    const auto& files = other.job.submission().files();
+    const auto exr =
+        std::ranges::find_if(files, [](const std::string& name) { return name.ends_with(".exr"); });
+    images.push_back({frame, spool_.folder_of(*found) / *exr});
+  }
+  return images;
+}
+
 void JobQueue::end(JobId job, wire::JobState state, const std::string& error) {
   const std::lock_guard lock(mutex_);
   Entry& entry = entries_.at(job);
@@ -199,9 +246,12 @@ void JobQueue::settle() {
 /// What hindered a frame may have passed when all others are over. Where none has succeeded, another try
 /// would not either.
 void JobQueue::try_frames_again(const Group& group) {
-  if (!is_over(group)) return;
+  if (!is_rendered(group)) return;
   const auto state_of = [this](JobId job) { return entries_.at(job).job.status().state(); };
-  if (std::ranges::none_of(group.jobs, [&](JobId job) { return state_of(job) == wire::JOB_DONE; })) return;
+  if (std::ranges::none_of(group.jobs, [&](JobId job) {
+        return state_of(job) == wire::JOB_DONE || entries_.at(job).stage == Stage::kAwaitsFrames;
+      }))
+    return;
   for (const JobId job : group.jobs) {
     Entry& entry = entries_.at(job);
     const bool has_failed = state_of(job) == wire::JOB_FAILED || state_of(job) == wire::JOB_INCOMPLETE;

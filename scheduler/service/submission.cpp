@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <ranges>
 #include <set>
 
 #include "scenes/settings.h"
+#include "scheduler/denoise/in_time.h"
 #include "scheduler/render/frames.h"
 #include "worker/protocol/text.h"
 
@@ -153,6 +155,10 @@ wire::Submission encode(const Submission& submission) {
   }
   for (const JobId job : submission.after) message.add_after(job);
   if (submission.frame) message.set_frame(*submission.frame);
+  if (submission.beside) {
+    message.mutable_beside()->set_shot(submission.beside->shot);
+    for (const int frame : submission.beside->frames) message.mutable_beside()->add_frames(frame);
+  }
   return message;
 }
 
@@ -202,6 +208,19 @@ Expected<Submission> decode(const wire::Submission& message) {
     if (message.frame() < 0 || message.frame() > kLastFrame)
       return fail(fmt::format("{} is no frame", message.frame()));
     submission.frame = message.frame();
+  }
+  if (message.has_beside()) {
+    if (!submission.frame || of_kind[".exr"] < 2)
+      return fail("only a frame with an EXR and a denoised EXR has frames beside it");
+    submission.beside = {message.beside().shot(),
+                         {message.beside().frames().begin(), message.beside().frames().end()}};
+    int last = -1;
+    for (const int frame : submission.beside->frames) {
+      if (frame <= last || frame == *submission.frame ||
+          std::abs(frame - *submission.frame) > kMostTimeRadius)
+        return fail(fmt::format("frame {} is not beside frame {}", frame, *submission.frame));
+      last = frame;
+    }
   }
   return submission;
 }

@@ -26,6 +26,12 @@ struct SubmittedGroup {
   std::uint32_t size = 0;  ///< how many jobs it will have
 };
 
+/// How a frame is denoised with the samples of others, see ShotDenoiser.
+struct NumbersBeside {
+  std::uint32_t shot = 0;        ///< its number in the group
+  std::vector<int> frames = {};  ///< of that shot, ascending, at most kMostTimeRadius away
+};
+
 struct Submission {
   std::string name;   ///< for display
   std::string scene;  ///< content hash of the device scene; see AssetManifest
@@ -44,6 +50,8 @@ struct Submission {
   std::optional<SubmittedGroup> group = {};
   std::vector<JobId> after = {};  ///< jobs or groups that must be done before it begins
   std::optional<int> frame = {};  ///< of a shot
+  std::optional<NumbersBeside> beside =
+      {};  ///< only of a frame with a denoised EXR; nothing: denoised by itself
 };
 
 /// Whether a service may store a file of that name in a job's folder, and a client may write it to a folder:

@@ -46,6 +46,13 @@ std::vector<const ShotDenoising::Frame*> ShotDenoising::around(const Frame& fram
   return found;
 }
 
+std::vector<int> ShotDenoising::numbers_beside(std::size_t member) const {
+  std::vector<int> numbers;
+  for (const Frame* frame : around(*frames_[member]))
+    if (frame->number != frames_[member]->number) numbers.push_back(frame->number);
+  return numbers;
+}
+
 bool ShotDenoising::is_ready(const Frame& frame) const {
   return frame.film && !frame.is_denoised && std::ranges::all_of(around(frame), &Frame::is_over);
 }
@@ -80,18 +87,21 @@ bool ShotDenoising::denoise(const Frame& frame) {
   }
   for (const Frame* other : around(frame))
     if (!other->film) denoiser->leave_out(other->index);
-  const FrameOutcome outcome = denoiser->denoise(frame.index);
-  for (const std::string& remark : outcome.remarks)
-    print_warning(fmt::format("{}: {}", frame.files.denoised_exr->string(), remark));
-  if (outcome.kind == FrameOutcome::Kind::kKept) return true;
-  if (outcome.kind == FrameOutcome::Kind::kFailed) return print_error({outcome.error}), false;
-  OutputBatch batch;
-  // In this order: where the EXR is up to date, the PNG is, too.
-  add_images(outcome.image, *frame.film, {}, frame.files.denoised_png, batch);
-  add_images(outcome.image, *frame.film, frame.files.denoised_exr, {}, batch);
-  const auto written = batch.finish();
+  const auto written = write_denoised_frame(denoiser->denoise(frame.index), *frame.film, frame.files);
   if (!written) print_error(written.error());
   return written.has_value();
+}
+
+Expected<void> write_denoised_frame(const FrameOutcome& outcome, const Film& film, const OutputFiles& files) {
+  for (const std::string& remark : outcome.remarks)
+    print_warning(fmt::format("{}: {}", files.denoised_exr->string(), remark));
+  if (outcome.kind == FrameOutcome::Kind::kKept) return {};
+  if (outcome.kind == FrameOutcome::Kind::kFailed) return fail(outcome.error);
+  OutputBatch batch;
+  // In this order: where the EXR is up to date, the PNG is, too.
+  add_images(outcome.image, film, {}, files.denoised_png, batch);
+  add_images(outcome.image, film, files.denoised_exr, {}, batch);
+  return batch.finish();
 }
 
 }  // namespace penumbra

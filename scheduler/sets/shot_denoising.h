@@ -19,6 +19,10 @@ class ShotDenoising {
 
   /// Whether a member of the plan is denoised here.
   [[nodiscard]] bool has(std::size_t member) const { return frames_[member].has_value(); }
+  /// Which frames of its shot such a member is denoised with: ascending.
+  [[nodiscard]] std::vector<int> numbers_beside(std::size_t member) const;
+  /// The number of such a member's shot.
+  [[nodiscard]] std::size_t shot_of(std::size_t member) const { return frames_[member]->shot; }
   /// A member of the plan is over. `film`: of its image; nothing where there is none.
   void ended(std::size_t member, const std::optional<Film>& film);
   /// Denoises the frames that are ready and writes them. Prints what goes wrong; returns whether nothing did.
@@ -44,5 +48,8 @@ class ShotDenoising {
   std::vector<std::vector<std::size_t>> shots_;         // their members, ascending
   std::vector<std::optional<ShotDenoiser>> denoisers_;  // of shots
 };
+
+/// Prints the remarks, and writes the denoised files of one that was made. Error: why there are none.
+Expected<void> write_denoised_frame(const FrameOutcome& outcome, const Film& film, const OutputFiles& files);
 
 }  // namespace penumbra

@@ -25,6 +25,7 @@
 #include "scheduler/service/job_queue.h"
 #include "scheduler/service/jobs_service.h"
 #include "scheduler/service/status_text.h"
+#include "scheduler/sets/shot_denoising.h"
 #include "scheduler/web/service_page.h"
 #include "scheduler/web/web_page.h"
 #include "worker/protocol/mailbox.h"
@@ -32,6 +33,8 @@
 namespace penumbra {
 namespace {
 
+// Between looks whether the frames are there that others are denoised with.
+constexpr std::chrono::milliseconds kBetweenLooks{100};
 // The number of jobs whose scenes and films are in memory: the current one and the next, and a few more with
 // higher priority.
 constexpr int kOpenJobs = 2, kMostOpenJobs = 4;
@@ -68,6 +71,18 @@ struct OpenJob {
   std::shared_ptr<PreparedRender> prepared;
   std::string name;
   std::vector<std::string> command_line;
+  std::optional<int> frame = {};  ///< if it is denoised with the frames beside it
+};
+/// A job of which all but the denoised images is written, or all.
+struct WrittenJob {
+  JobId id = 0;
+  std::string name;
+  OutputFiles files;
+  Film film;
+  std::shared_ptr<CheckpointFile> checkpoint;
+  int frame = 0;
+  RenderEnd end;
+  bool was_cancelled = false, has_samples = false;
 };
 struct FinishedJob {
   OpenJob job;
@@ -106,6 +121,9 @@ class ServiceRun final : public JobSource {
   Expected<OpenJob> read_scene(const JobQueue::Taken& taken);
   void write_images();
   void write(FinishedJob finished);
+  /// Denoises the frames for which those beside them are there.
+  void denoise_frames();
+  void end(WrittenJob job);
   void look_after_ends();
 
   const ServiceOptions& options_;
@@ -123,6 +141,7 @@ class ServiceRun final : public JobSource {
   std::map<JobId, OpenJob> open_;
   std::optional<ServicePage> page_;
   std::vector<OpenJob> again_;  // jobs to be rendered again because the automatically chosen device failed
+  std::vector<WrittenJob> frames_;  // that wait for those beside them; used by the thread that writes images
   // Incomplete jobs. Whether the job or the whole farm has ended is known only when the farm goes on.
   std::vector<FinishedJob> unfinished_;
 };
@@ -164,8 +183,9 @@ Expected<OpenJob> ServiceRun::read_scene(const JobQueue::Taken& taken) {
   } else if (prepared->job.before) {
     print_message(fmt::format("job {}: {}", taken.job, *attached));
   }
+  prepared->is_denoised_later = submission.beside.has_value();
   return OpenJob{taken.job, std::make_shared<PreparedRender>(std::move(*prepared)), submission.name,
-                 submission.command_line};
+                 submission.command_line, submission.beside ? submission.frame : std::nullopt};
 }
 
 // --- The thread that drives the farm
@@ -211,7 +231,12 @@ void ServiceRun::done(JobId id, Expected<RenderOutcome> outcome) {
 // --- The thread that writes images
 
 void ServiceRun::write_images() {
-  while (std::optional<FinishedJob> finished = finished_.take()) write(std::move(*finished));
+  for (;;) {
+    std::optional<FinishedJob> finished = frames_.empty() ? finished_.take() : finished_.take(kBetweenLooks);
+    if (!finished && (frames_.empty() || is_over_)) return;
+    if (finished) write(std::move(*finished));
+    if (!is_over_) denoise_frames();
+  }
 }
 
 void ServiceRun::write(FinishedJob finished) {
@@ -220,6 +245,7 @@ void ServiceRun::write(FinishedJob finished) {
   RenderEnd end{RenderEndKind::kFailed, finished.outcome ? "" : finished.outcome.error().message};
   // A job that was cancelled before its first sample leaves no files; that is not a failure.
   const bool has_samples = finished.outcome && sample_range(finished.outcome->film).total > 0;
+  const Film film = job.prepared->record.film;  // the record is consumed
   try {
     if (has_samples || (finished.outcome && !was_cancelled)) {
       for (const std::string& problem : finished.outcome->problems) queue_.problem(job.id, problem);
@@ -231,19 +257,62 @@ void ServiceRun::write(FinishedJob finished) {
   } catch (const std::exception& error) {
     end = {RenderEndKind::kFailed, error.what()};
   }
-  wire::JobState state = state_of(end.kind);
-  const bool is_lost = has_samples && end.kind == RenderEndKind::kFailed;  // its files could not be written
-  if (was_cancelled && state != wire::JOB_DONE && !is_lost) {
+  WrittenJob written{.id = job.id,
+                     .name = job.name,
+                     .files = job.prepared->files,
+                     .film = film,
+                     .checkpoint = job.prepared->checkpoint,
+                     .frame = job.frame.value_or(0),
+                     .end = std::move(end),
+                     .was_cancelled = was_cancelled,
+                     .has_samples = has_samples};
+  if (job.frame && has_samples && finished.outcome->complete && written.end.kind != RenderEndKind::kFailed) {
+    queue_.await_frames(job.id);
+    return frames_.push_back(std::move(written));
+  }
+  this->end(std::move(written));
+}
+
+void ServiceRun::denoise_frames() {
+  for (WrittenJob& job : std::exchange(frames_, {})) {
+    const auto beside = queue_.frames_beside(job.id);
+    if (!beside) {
+      frames_.push_back(std::move(job));
+      continue;
+    }
+    try {
+      std::vector<NoisyFrame> frames;
+      for (const auto& [frame, exr] : *beside) frames.push_back({frame, exr, {}});
+      const auto place = std::ranges::lower_bound(frames, job.frame, {}, &NoisyFrame::number);
+      const auto index = std::size_t(place - frames.begin());
+      frames.insert(
+          place, {job.frame, *job.files.exr, *job.files.denoised_exr, job.files.denoised_png.value_or("")});
+      ShotDenoiser denoiser(std::move(frames), denoise_options(job.film), kMostTimeRadius);
+      if (const auto done = write_denoised_frame(denoiser.denoise(index), job.film, job.files); !done)
+        job.end = {RenderEndKind::kFailed, done.error().message};
+    } catch (const std::exception& error) {  // usually out of memory
+      job.end = {RenderEndKind::kFailed, error.what()};
+    }
+    end(std::move(job));
+  }
+}
+
+void ServiceRun::end(WrittenJob job) {
+  wire::JobState state = state_of(job.end.kind);
+  // Its files could not be written.
+  const bool is_lost = job.has_samples && job.end.kind == RenderEndKind::kFailed;
+  std::string error = std::move(job.end.error);
+  if (job.was_cancelled && state != wire::JOB_DONE && !is_lost) {
     state = wire::JOB_CANCELLED;
-    end.error = has_samples ? "what was rendered before is kept" : "nothing was rendered before";
+    error = job.has_samples ? "what was rendered before is kept" : "nothing was rendered before";
   }
   print_message(fmt::format("job {}, {}: {}{}{}", job.id, job.name, job_state_name(state),
-                            end.error.empty() ? "" : ": ", end.error));
-  queue_.end(job.id, state, end.error);
+                            error.empty() ? "" : ": ", error));
+  queue_.end(job.id, state, error);
   if (page_) page_->pictures().films().remove(job.id);
   // Only after the job's end is on disk; until then the checkpoint could be needed.
   // Jobs that are not done keep it for `penumbra retry`.
-  if (state == wire::JOB_DONE) remove_checkpoint(*job.prepared);
+  if (state == wire::JOB_DONE && job.checkpoint) job.checkpoint->remove();
 }
 
 // --- The thread that looks after jobs that are over
@@ -304,6 +373,7 @@ ExitCode ServiceRun::run(const std::string& worker_executable, std::shared_ptr<c
   finished_.close();
   writer.join();
   for (const FinishedJob& left : unfinished_) queue_.put_back(left.job.id);
+  for (const WrittenJob& left : frames_) queue_.put_back(left.id);
   while (const auto never_opened = ready_.take(std::chrono::milliseconds(0)))
     queue_.put_back(never_opened->id);
   if (!ran) return print_error(ran.error()), kIncomplete;

@@ -21,6 +21,7 @@
 #include "scheduler/run/shared_scenes.h"
 #include "scheduler/sets/render_arguments.h"
 #include "scheduler/sets/set_plan.h"
+#include "scheduler/sets/shot_denoising.h"
 
 namespace penumbra {
 namespace {
@@ -60,7 +61,8 @@ class Submitter {
         plan_(plan),
         service_(service),
         command_line_(command_line),
-        load_(std::move(load)) {
+        load_(std::move(load)),
+        denoising_(plan, options.render.time_radius) {
     if (plan.has_job_file || plan.members.size() > 1 || !options.render.frames.empty())
       group_ = {0, plan.name, std::uint32_t(plan.members.size())};
   }
@@ -80,6 +82,7 @@ class Submitter {
   JobsClient& service_;
   const std::vector<std::string>& command_line_;
   SceneLoader load_;
+  const ShotDenoising denoising_;  // only to know which frames are beside each other
   std::optional<SubmittedGroup> group_;
   std::map<std::size_t, JobId> jobs_;  // of the plan's members
   std::set<std::string> told_warnings_;
@@ -102,6 +105,8 @@ Expected<void> Submitter::submit(std::size_t index) {
   Submission submission = submission_of(*prepared, member, command_line_);
   submission.group = group_;
   submission.after = std::move(after);
+  if (denoising_.has(index))
+    submission.beside = {std::uint32_t(denoising_.shot_of(index)), denoising_.numbers_beside(index)};
   const auto reply = service_.submit(submission, prepared->job.scene);
   if (!reply) return std::unexpected(reply.error());
   jobs_[index] = reply->job();

@@ -361,5 +361,90 @@ TEST_F(JobGroupTest, OldJobsAreRemovedGroupsAsOne) {
   EXPECT_EQ(submit(), waiting + 1);
 }
 
+// --- Frames that are denoised with those beside them
+
+class FramesBesideTest : public JobGroupTest {
+ protected:
+  /// Frames 1 to 4 of a shot.
+  void submit_shot() {
+    for (int frame = 1; frame <= 4; ++frame) {
+      const auto submitted = submit_with([&](Submission& s) {
+        s.group = {group_, "shot.xml", 4};
+        s.frame = frame;
+        s.record.film.denoise = Denoise::kNfor;
+        s.files = {"s.exr", "s-denoised.exr"};
+        s.beside = NumbersBeside{};
+        for (const int other : {frame - 1, frame + 1})
+          if (other >= 1 && other <= 4) s.beside->frames.push_back(other);
+      });
+      group_ = submitted.group;
+      jobs_.push_back(submitted.job);
+    }
+    EXPECT_TRUE(queue_->close_group(group_));
+  }
+  [[nodiscard]] JobId job_of(int frame) const { return jobs_[std::size_t(frame - 1)]; }
+  void render(int frame) {
+    const JobId job = take();
+    ASSERT_EQ(job, job_of(frame));
+    ASSERT_TRUE(queue_->open(job));
+    queue_->begin_writing(job);
+    queue_->await_frames(job);
+  }
+  /// The frames that a frame is denoised with; -1: it is to wait.
+  std::vector<int> beside(int frame) {
+    const auto images = queue_->frames_beside(job_of(frame));
+    if (!images) return {-1};
+    std::vector<int> numbers;
+    for (const auto& image : *images) {
+      EXPECT_EQ(image.exr, spool_->folder_of(job_of(image.frame)) / "s.exr");
+      numbers.push_back(image.frame);
+    }
+    return numbers;
+  }
+  JobId group_ = 0;
+  std::vector<JobId> jobs_;
+};
+
+TEST_F(FramesBesideTest, AreAwaitedAndFoundAlsoAfterTheirEnd) {
+  submit_shot();
+  render(1);
+  EXPECT_THAT(beside(1), ElementsAre(-1));
+  EXPECT_FALSE(queue_->cancel(job_of(1)));
+  render(2);
+  EXPECT_THAT(beside(1), ElementsAre(2));
+  EXPECT_THAT(beside(2), ElementsAre(-1));
+  queue_->end(job_of(1), wire::JOB_DONE, "");
+  render(3);
+  EXPECT_THAT(beside(2), ElementsAre(1, 3));
+  EXPECT_TRUE(queue_->cancel(job_of(4)));
+  EXPECT_THAT(beside(3), ElementsAre(2));
+}
+
+TEST_F(FramesBesideTest, AFrameThatFailedIsAwaitedForItsOtherTry) {
+  submit_shot();
+  finish(job_of(1), wire::JOB_FAILED);
+  for (const int frame : {2, 3, 4}) render(frame);
+  // The others are rendered, so it is queued again though none is over.
+  EXPECT_THAT(beside(2), ElementsAre(-1));
+  EXPECT_THAT(beside(3), ElementsAre(2, 4));
+  finish(job_of(1), wire::JOB_FAILED);
+  EXPECT_THAT(beside(2), ElementsAre(3));
+}
+
+TEST_F(FramesBesideTest, WhoIsNotSubmittedIsAwaitedUntilTheGroupIsWhole) {
+  const auto first = submit_with([&](Submission& s) {
+    s.group = {0, "shot.xml", 2};
+    s.frame = 1;
+    s.record.film.denoise = Denoise::kNfor;
+    s.files = {"s.exr", "s-denoised.exr"};
+    s.beside = NumbersBeside{.shot = 0, .frames = {2}};
+  });
+  jobs_ = {first.job};
+  render(1);
+  EXPECT_THAT(beside(1), ElementsAre(-1));
+  EXPECT_TRUE(queue_->close_group(first.group));
+  EXPECT_THAT(beside(1), IsEmpty());
+}
+
 }  // namespace
 }  // namespace penumbra

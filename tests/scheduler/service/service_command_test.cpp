@@ -277,6 +277,32 @@ TEST_F(Service, AGroupIsOneThing) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "project/0001"));
 }
 
+// Killed at any moment, the service goes on, also with the denoising; the files are those of `penumbra
+// render`.
+TEST_F(Service, AShotIsDenoisedInTime) {
+  const Arguments shot{"shot.xml",  "--frames",         "1-5",   "--spp", "8",
+                       "--denoise", "--seed-per-frame", "frame", "-o",    "a.####.exr"};
+  write_moving_scene(folder_ / "shot.xml");
+  Arguments render{"render"}, submit{"submit"};
+  for (Arguments* arguments : {&render, &submit})
+    arguments->insert(arguments->end(), shot.begin(), shot.end());
+  ASSERT_EQ(run_penumbra(folder_.path(), render).exit_code, 0);
+  serve();
+  ASSERT_EQ(run(submit).exit_code, 0);
+  for (const int wait : {100, 250, 400}) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(wait));
+    kill_service();
+    serve();
+  }
+  const ProgramResult fetched = run({"fetch", "1", "--wait", "-o", "out"});
+  ASSERT_EQ(fetched.exit_code, 0) << fetched.err;
+  for (int frame = 1; frame <= 5; ++frame)
+    for (const char* ending : {".exr", "-denoised.exr", "-denoised.png"}) {
+      const std::string name = "a.000" + std::to_string(frame) + ending;
+      EXPECT_TRUE(contents("out/" + name) == contents(name)) << name;
+    }
+}
+
 TEST_F(Service, AShotIsAGroupOfFrames) {
   write_moving_scene(folder_ / "shot.xml");
   serve({"--workers", "0"});

@@ -103,6 +103,26 @@ TEST(Submission, ArrivesWhole) {
   EXPECT_EQ(encode(*there).SerializeAsString(), message.SerializeAsString());
 }
 
+TEST(Submission, FramesBesideAFrameArrive) {
+  Submission sent = full_submission();
+  set(sent.record, "film.denoise", "nfor");
+  sent.files = {"s.exr", "s-denoised.exr"};
+  sent.frame = 12;
+  sent.beside = NumbersBeside{.shot = 3, .frames = {10, 13}};
+  const auto there = decode(encode(sent));
+  ASSERT_TRUE(there) << there.error().message;
+  ASSERT_TRUE(there->beside);
+  EXPECT_EQ(there->beside->shot, 3u);
+  EXPECT_THAT(there->beside->frames, ElementsAre(10, 13));
+  for (const std::vector<int>& wrong : {std::vector{12}, {13, 10}, {11, 11}, {3}, {-1}, {21}}) {
+    sent.beside->frames = wrong;
+    EXPECT_THAT(decode(encode(sent)).error().message, ::testing::HasSubstr("is not beside frame 12"));
+  }
+  sent.beside->frames = {11};
+  sent.files = {"s.exr"};
+  EXPECT_THAT(decode(encode(sent)).error().message, ::testing::HasSubstr("a denoised EXR"));
+}
+
 TEST(Submission, WhatExcludesATargetErrorArrives) {
   Submission sent = full_submission();
   sent.record.plan.target_error.reset();
