@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Measures what denoised frames gain by light of those beside them: six shots, still and in time.
 
-    denoising_in_time.py OUT [--frames 12] [--spp 16 64] [--reference-spp 64] [--methods nfor nlmeans] [--shots ...]
+    denoising_in_time.py OUT [--frames 24] [--spp 16 64] [--reference-spp 64] [--methods nlmeans nfor oidn] ...
 
-Renders are kept: what is there is not rendered again. Prints relMSE and flicker (penumbra compare --help) of frames
-denoised in time, means over the frames, and their ratios to those of frames denoised by themselves. Both are means of
-squares, so two references a and b of other seeds give them without their own noise, on average:
-(x - a)(x - b) = ((x - a)^2 + (x - b)^2 - (a - b)^2) / 2.
+Files are kept: what is there is not made again. Prints a table in Markdown: relMSE, FLIP and flicker (penumbra compare
+--help), means over the frames, of frames denoised by themselves, and the ratios to them of frames denoised in time.
+Two references a and b of other seeds give squared errors without their own noise, on average: (x - a)(x - b). They are
+over w^2 + 0.01, w the mean of both references over 5 x 5 pixels: over a noisy pixel's own square they would be biased.
+FLIP is the mean of that to both references, with their noise. Needs numpy, scipy and OpenEXR.
 """
 
 import argparse
@@ -15,9 +16,13 @@ import os
 import random
 import subprocess
 
+import numpy as np
+import OpenEXR
+from scipy.ndimage import map_coordinates, uniform_filter
+
 FPS = 24
-FILM = (128, 72)
-KEYS = ("relmse", "flicker")
+FILM = (96, 54)
+KEYS = ("relmse", "flip", "flicker")
 
 
 def moving(kind, *keys):
@@ -119,14 +124,54 @@ def write_scene(path, integrator, content):
         file.write(f'<scene version="3.0.0"><integrator type="{integrator}">{settings}</integrator>{content}</scene>\n')
 
 
+def read(pattern, frames):
+    """The frames' channels by name."""
+    def channels(frame):
+        name = pattern.replace("####", f"{frame:04}")
+        found = OpenEXR.File(name, separate_channels=True).parts[0].channels
+        return {key: channel.pixels.astype(np.float64) for key, channel in found.items()}
+    return [channels(frame) for frame in range(frames)]
+
+
+def followed(frame, later):
+    """Where the next frame shows the points of each pixel (rows, columns), and whether it does."""
+    rows, columns = np.indices(frame["R"].shape)
+    at = np.stack([rows + frame["motion.W"], columns + frame["motion.Z"]])
+    nearest = tuple(np.clip(np.round(x).astype(int), 0, size - 1) for x, size in zip(at, rows.shape))
+    is_seen = (at > -0.5).all(0) & (at[0] < rows.shape[0] - 0.5) & (at[1] < rows.shape[1] - 0.5)
+    for on, back in (("motion.Z", "motion.X"), ("motion.W", "motion.Y")):
+        is_seen &= abs(frame[on] + later[back][nearest]) <= 1
+    depths = frame["depth.Z"], later["depth.Z"][nearest]
+    return at, is_seen & (abs(depths[0] - depths[1]) <= 0.1 * np.maximum(*depths))
+
+
+def errors_without_noise(image, references, frames):
+    """relMSE and flicker, means over the frames."""
+    a, b = (read(reference, frames) for reference in references)
+    x = read(image, frames)
+    squares, changes = [], []
+    for frame in range(frames):
+        at, is_seen = followed(a[frame], a[frame + 1]) if frame + 1 < frames else (None, None)
+        for c in "RGB":
+            weight = 1 / (uniform_filter((a[frame][c] + b[frame][c]) / 2, 5) ** 2 + 0.01)
+            now = [x[frame][c] - reference[frame][c] for reference in (a, b)]
+            squares.append(np.mean(now[0] * now[1] * weight))
+            if at is None:
+                continue
+            then = [map_coordinates(x[frame + 1][c] - reference[frame + 1][c], at, order=1, mode="nearest")
+                    for reference in (a, b)]
+            changes.append(np.mean(((then[0] - now[0]) * (then[1] - now[1]) * weight)[is_seen]))
+    return {"relmse": np.mean(squares), "flicker": np.mean(changes)}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("out")
     parser.add_argument("--penumbra", default="penumbra", help="the program")
-    parser.add_argument("--frames", type=int, default=12)
+    parser.add_argument("--frames", type=int, default=24)
     parser.add_argument("--spp", type=int, nargs="+", default=[16, 64])
     parser.add_argument("--reference-spp", type=int, default=64)
-    parser.add_argument("--methods", nargs="+", default=["nfor", "nlmeans"])
+    parser.add_argument("--methods", nargs="+", default=["nlmeans", "nfor"])
     parser.add_argument("--shots", nargs="+", choices=SHOTS, default=list(SHOTS))
     arguments = parser.parse_args()
 
@@ -134,15 +179,14 @@ def main():
         done = subprocess.run([arguments.penumbra, *map(str, words)], check=True, stdout=subprocess.PIPE, text=True)
         return done.stdout
 
-    def error(image, reference):
-        mean = json.loads(penumbra("compare", image, reference, "--json"))["mean"]
-        return [mean[key] for key in KEYS]
+    def errors(image, references):
+        found = errors_without_noise(image, references, arguments.frames)
+        both = [json.loads(penumbra("compare", image, reference, "--json"))["mean"]["flip"] for reference in references]
+        return {**found, "flip": sum(both) / 2}
 
-    def error_without_noise(image, references):
-        to_a, to_b = (error(image, reference) for reference in references)
-        return [(a + b - both) / 2 for a, b, both in zip(to_a, to_b, error(*references))]
-
-    print(f'{"shot":9} {"spp":>4} {"method":8}' + "".join(f" {key:>9}  ratio" for key in KEYS))
+    columns = [f"{method}, {spp} spp" for spp in arguments.spp for method in arguments.methods]
+    print(f'|{", ".join(KEYS)}|' + "".join(f"{column}|" for column in columns))
+    print("|-|" + "-|" * len(columns))
     for name in arguments.shots:
         folder = os.path.join(arguments.out, name)
         os.makedirs(folder, exist_ok=True)
@@ -153,6 +197,7 @@ def main():
         references = [os.path.join(folder, f"reference-{letter}.####.exr") for letter in "ab"]
         for reference, seed in zip(references, (1000, 2000)):
             penumbra("render", scene, *frames, "--spp", arguments.reference_spp, "--seed", seed, "-o", reference)
+        cells = []
         for spp in arguments.spp:
             noisy = os.path.join(folder, f"noisy-{spp}.####.exr")
             penumbra("render", scene, *frames, "--spp", spp, "--denoise=layers", "-o", noisy)
@@ -161,10 +206,10 @@ def main():
                 for radius in (0, 2):
                     denoised = os.path.join(folder, f"{method}-{spp}-{radius}.####.exr")
                     penumbra("denoise", noisy, "--method", method, "--time-radius", radius, "-o", denoised)
-                    means.append(error_without_noise(denoised, references))
+                    means.append(errors(denoised, references))
                 still, timed = means
-                columns = [f"{b:9.2e} {b / a:6.2f}" for a, b in zip(still, timed)]
-                print(f"{name:9} {spp:4} {method:8} " + " ".join(columns), flush=True)
+                cells.append(",".join(f"{still[key]:.1e}×{timed[key] / still[key]:.2f}" for key in KEYS))
+        print(f"|{name}|" + "".join(f"{cell}|" for cell in cells), flush=True)
 
 
 if __name__ == "__main__":
