@@ -184,8 +184,8 @@ def main():
         both = [json.loads(penumbra("compare", image, reference, "--json"))["mean"]["flip"] for reference in references]
         return {**found, "flip": sum(both) / 2}
 
-    columns = [f"{method}, {spp} spp" for spp in arguments.spp for method in arguments.methods]
-    print(f'|{", ".join(KEYS)}|' + "".join(f"{column}|" for column in columns))
+    columns = [f"{method},{spp}" for spp in arguments.spp for method in arguments.methods]
+    print(f'|{",".join(KEYS)}|' + "".join(f"{column}|" for column in columns))
     print("|-|" + "-|" * len(columns))
     for name in arguments.shots:
         folder = os.path.join(arguments.out, name)
