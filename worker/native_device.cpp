@@ -148,11 +148,14 @@ class NativeDevice final : public Device {
     team_.run([&](int thread) {
       Block block = blocks_[std::size_t(thread)].block();
       block.probe = options_.probe;
+      TracedRays traced{};
+      if (options_.traced != nullptr) block.traced = &traced;
       BadSamples bad[BAD_KINDS] = {};
       for (int first; (first = next.fetch_add(block_pixels)) < pixels; part_is_done())
         kernel_.render_block(header, scene_.words.data(), photon_words, tracer, portable, first,
                              std::min(block_pixels, pixels - first), block, result.values.data(), bad);
       const std::lock_guard lock(noting);
+      note_traced(traced);
       for (int kind = 0; kind < BAD_KINDS; ++kind)
         result.flagged[std::size_t(kind)].add(flagged_samples(portable, bad[kind]));
     });
@@ -168,6 +171,12 @@ class NativeDevice final : public Device {
     if (whole_) header.features &= ~std::uint64_t(FEATURE_BVH);
     return header;
   }
+  void note_traced(const TracedRays& more) const {
+    if (options_.traced == nullptr) return;
+    options_.traced->rays += more.rays;
+    options_.traced->shadow_rays += more.shadow_rays;
+    options_.traced->photon_rays += more.photon_rays;
+  }
   void make_blocks() {
     while (blocks_.size() < std::size_t(team_.size()))
       blocks_.emplace_back(scene_.header.features, capacity(), kSlots);
@@ -181,8 +190,11 @@ class NativeDevice final : public Device {
     std::vector<std::vector<Photon>> traced(std::size_t(std::max(blocks, 0)));
     std::atomic<int> next{0};
     std::atomic<std::size_t> stored{0};
+    std::mutex noting;
     team_.run([&](int thread) {
-      const Block block = blocks_[std::size_t(thread)].block();
+      Block block = blocks_[std::size_t(thread)].block();
+      TracedRays traced_rays{};
+      if (options_.traced != nullptr) block.traced = &traced_rays;
       std::vector<Photon> room(std::size_t(block_paths) * kPhotonsPerPath);
       for (int b; stored <= kMostPhotons && (b = next.fetch_add(1)) < blocks; part_is_done()) {
         const int first = b * block_paths, paths = std::min(block_paths, task.paths - first);
@@ -200,6 +212,8 @@ class NativeDevice final : public Device {
         }
         traced[std::size_t(b)].assign(room.begin(), room.begin() + count);
       }
+      const std::lock_guard lock(noting);
+      note_traced(traced_rays);
     });
     if (stored > kMostPhotons) return std::unexpected(too_many_photons());
     std::vector<Photon> all;

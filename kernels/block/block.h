@@ -303,6 +303,7 @@ FN void render_paths(const PRIVATE Scene* scene, const PRIVATE Unit* unit, int f
       if (HAS(OCCLUSION) && h->integrator.kind == INTEGRATOR_OCCLUSION)
         step_occlusion(scene, paths, count, step, slots);
       if (block->probe != 0) probe_step(block, control, step);
+      if (block->traced != 0) count_rays(paths, count, block->traced);
       occlude_block(scene, paths, count);
       if (NEEDS_PASSING_LIGHT(scene)) see_lights_through(scene, paths, count);
       if (NEEDS(scene, BENT) && h->integrator.kind != INTEGRATOR_OCCLUSION) shade_shadow_rays(paths, count);

@@ -12,6 +12,14 @@
 
 PENUMBRA_NAMESPACE_BEGIN
 
+/// Counts the rays of `count` paths, and the shadow rays that their step requests.
+STAGE void count_rays(const PRIVATE PathState* paths, int count, GLOBAL TracedRays* traced) {
+  int shadow_rays = 0;
+  for (int i = 0; i < count; i++) shadow_rays += get_shadow_tmax(paths, i) > 0.0f ? 1 : 0;
+  traced->rays += (ulong)count;
+  traced->shadow_rays += (ulong)shadow_rays;
+}
+
 /// Whether any of LANES paths from lane i on has a ray.
 FN bool any_ray(const PRIVATE PathState* paths, int i) {
   int any = 0;

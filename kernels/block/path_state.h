@@ -321,11 +321,19 @@ FN void stack_branch(const PRIVATE PathState* paths, int place, int level, Branc
 #undef STACKED_GET
 #undef STACKED_SET
 
+// How many rays were traced: a measure of work that is the same on every machine.
+typedef struct {
+  ulong rays;         ///< of paths from the camera, without those towards lights
+  ulong shadow_rays;  ///< towards lights
+  ulong photon_rays;
+} TracedRays;
+
 typedef struct {
   PathState paths;
   SlotState slots;
   GLOBAL int* probe;  ///< 0, or for a block of one path: receives the SOURCE_* of its first non-finite value,
                       ///< and the step
+  GLOBAL TracedRays* traced;  ///< 0, or receives what is traced, added to what is there
 } Block;
 
 /// `path_memory` has path_words(features) * capacity words, `slot_memory` slot_words(features) *
@@ -336,6 +344,7 @@ FN Block make_block(ulong features, GLOBAL uint* path_memory, int capacity, GLOB
   block.paths = make_path_state(features, path_memory, capacity);
   block.slots = make_slot_state(features, slot_memory, slot_capacity);
   block.probe = 0;
+  block.traced = 0;
   return block;
 }
 

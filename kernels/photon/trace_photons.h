@@ -246,6 +246,7 @@ CALLED_FN void trace_photons(const PRIVATE Scene* of_image, const PRIVATE Photon
   const float time = NEEDS_MOTION(scene) ? time_of_map(scene, seed, task->map) : MIDDLE_TIME;
   emit_photons(scene, first, count, time, paths);
   for (int arrivals = 0; count > 0; arrivals++) {
+    if (block->traced != 0) block->traced->photon_rays += (ulong)count;
     intersect_block(scene, paths, count, false);
     pad_hits(scene, paths, count);
     if (HAS(NESTED)) see_through(scene, paths, count, arrivals + 1);

@@ -23,6 +23,7 @@ void add_report_command(CommandLine& app, const std::vector<std::string>& comman
 /// Manages the keys of schedulers that other hosts can reach.
 void add_keys_command(CommandLine& app, Command& chosen);
 void add_info_command(CommandLine& app, Command& chosen);
+void add_advise_command(CommandLine& app, Command& chosen);
 void add_settings_command(CommandLine& app, Command& chosen);
 void add_plugins_command(CommandLine& app, Command& chosen);
 void add_convert_command(CommandLine& app, Command& chosen);

@@ -34,7 +34,7 @@ const std::pair<const char*, std::vector<const char*>> kGroups[] = {
     {"Render", {"render", "view", "preview", "worker"}},
     {"Scenes", {"info", "convert", "plugins", "settings"}},
     {"Images", {"denoise", "merge"}},
-    {"Measure", {"compare", "report", "stress"}},
+    {"Measure", {"advise", "compare", "report", "stress"}},
     {"Service", {"serve", "submit", "status", "prioritize", "cancel", "retry", "fetch", "keys", "sbatch"}},
     {"Installation", {"completion", "man"}}};
 
@@ -68,6 +68,7 @@ ExitCode run(int argc, char** argv) {
   add_render_command(app, command_line, chosen);
   add_preview_command(app, chosen);
   add_info_command(app, chosen);
+  add_advise_command(app, chosen);
   add_convert_command(app, chosen);
   add_plugins_command(app, chosen);
   add_settings_command(app, chosen);

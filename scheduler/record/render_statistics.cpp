@@ -200,6 +200,7 @@ Json statistics_json(const RenderStatistics& statistics) {
         {"height", film.height},
         {"crop", {film.crop_x, film.crop_y, film.crop_x + film.crop_width, film.crop_y + film.crop_height}}}},
       {"settings", settings_json(statistics)},
+      {"auto", statistics.choice.empty() ? Json(nullptr) : Json(statistics.choice)},
       {"samples", samples_json(statistics)},
       {"relative_error", json_number(outcome.film.relative_error())},
       {"polygon_lights", polygon_light_json(outcome.film)},

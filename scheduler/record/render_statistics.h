@@ -25,6 +25,7 @@ struct RenderStatistics {
   std::optional<SceneInventory> inventory;                           ///< what leaving out features saves
   /// The shape of the first sample whose medium boundaries contradict each other.
   std::string contradictory_shape;
+  std::string choice;                        ///< what `--integrator auto` has chosen; empty: it was not asked
   double build_seconds = 0;                  ///< for reading the scene and building the device scene
   std::vector<std::filesystem::path> files;  ///< images written
 };

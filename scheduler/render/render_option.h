@@ -87,6 +87,8 @@ PlanOptions plan_of(const RenderRequest& request, const IntegratorSettings& inte
 /// Error if options are given that exclude each other.
 Expected<void> check_exclusions(const RenderRequest& request);
 
+/// The values of --integrator.
+std::vector<std::string> integrator_choices();
 /// The values of --sampler.
 std::vector<std::string> sampler_names();
 

@@ -115,8 +115,9 @@ void add_scene_rows(std::vector<RenderOption>& all) {
       .effect = kNone;
   add_frame_rows(all);
   OptionRows sampling{all, group::kSampling, kScene, kFiles};
-  sets(sampling.add("--integrator", "NAME", AT(scene.integrator), {choice_of("integrator.type")},
-                    "Integrator instead of the scene's; path is path_mis"),
+  sets(sampling.add("--integrator", "NAME", AT(scene.integrator), {one_of(integrator_choices())},
+                    "Integrator instead of the scene's; path is path_mis; auto: what pilot renders find best "
+                    "(`penumbra advise`)"),
        "integrator.type");
   sets(sampling.add(
            "--sampler", "NAME", AT(scene.sampler), {one_of(sampler_names())},
@@ -153,10 +154,16 @@ void add_plan_rows(std::vector<RenderOption>& all) {
     request.scene.needs_independent = true;
     return set(request, text);
   };
-  plan.add("--adaptive", "", AT(plan.adaptive), {},
-           "Give noisy tiles more samples, by the error of two pilot samples per pixel; --spp is the "
-           "mean. Without bias; the image depends on --tile. Not with photon mapping")
-      .excludes = {"target-error", "pixel"};
+  RenderOption& adaptive =
+      plan.add("--adaptive", "", AT(plan.adaptive), {},
+               "Give noisy tiles more samples, by the error of two pilot samples per pixel; --spp is the "
+               "mean. Without bias; the image depends on --tile. Not with photon mapping");
+  adaptive.excludes = {"target-error", "pixel"};
+  adaptive.apply = [set = adaptive.apply](RenderRequest& request, std::string& text) {
+    const auto done = set(request, text);
+    request.scene.excludes_photons = request.plan.adaptive;
+    return done;
+  };
   plan.add("--stop-after-units", "N", AT(plan.stop_after_units), {whole_number(1, std::int64_t(1) << 62)},
            "Render only the first N work units, pass by pass and tile by tile: repeats what a time "
            "budget ended")
@@ -261,6 +268,12 @@ std::span<const RenderOption> all_render_options() {
     return all;
   }();
   return rows;
+}
+
+std::vector<std::string> integrator_choices() {
+  std::vector<std::string> names = find_setting("integrator.type")->choices;
+  names.insert(names.begin(), kAutoIntegrator);
+  return names;
 }
 
 std::vector<std::string> sampler_names() {

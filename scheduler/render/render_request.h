@@ -13,6 +13,9 @@
 
 namespace penumbra {
 
+/// The integrator of a render whose technique is chosen by pilot renders (scheduler/advise/).
+constexpr const char* kAutoIntegrator = "auto";
+
 /// The options that determine the scene; `render` and `info` share them.
 struct SceneOptions {
   std::string file = {};                   ///< as named by the user
@@ -24,9 +27,10 @@ struct SceneOptions {
   bool lenient = false;
   bool strict = false;
   std::string dialect = {};                    ///< empty: determined from the scene file
-  std::optional<std::string> integrator = {};  ///< one of the names of integrator.type
+  std::optional<std::string> integrator = {};  ///< one of the names of integrator.type, or kAutoIntegrator
   std::optional<std::string> sampler = {};     ///< one of the names of sampler.type, or "scene"
   bool needs_independent = false;              ///< an independent sampler of the scene is not replaced
+  bool excludes_photons = false;               ///< kAutoIntegrator chooses no integrator with photons
   std::optional<std::uint32_t> spp = {};
   std::optional<std::uint32_t> seed = {};
   std::string intersector = "auto";  ///< auto, portable, embree
@@ -37,6 +41,8 @@ struct SceneOptions {
   std::optional<int> frame = {};  ///< of a shot; its time is frame_seconds() (frames.h); nothing: a still
   std::optional<double> fps = {};
   double frame_offset = 0;
+  /// The shot's first frame, for which kAutoIntegrator chooses; nothing: it chooses for each frame.
+  std::optional<int> shot_begin = {};
   bool frame_is_a_file = false;  ///< each frame is a file of its own, whose name has the frame
   std::string clip = {};         ///< see ReadOptions
   bool seed_by_frame = false;    ///< the frame is added to the seed

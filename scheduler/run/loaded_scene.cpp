@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "kernels/host/console.h"
+#include "kernels/host/parallel.h"
 #include "kernels/host/process.h"
 #include "scenes/device/hierarchy/hierarchy_cache.h"
 #include "scenes/device/media_book.h"
@@ -18,6 +19,7 @@
 #include "scenes/scene_reader.h"
 #include "scenes/setting_rows.h"
 #include "scenes/settings.h"
+#include "scheduler/advise/advice_text.h"
 #include "scheduler/blender/blender_shots.h"
 #include "scheduler/render/film_scale.h"
 #include "scheduler/render/frames.h"
@@ -49,7 +51,8 @@ Expected<void> add_settings_of_options(const SceneOptions& options, ReadOptions&
   const auto set = read.settings;
   for (const RenderOption& option : all_render_options())
     for (const std::string& value : given_values(option, {.scene = options})) {
-      const bool keeps_scenes = option.sets == "sampler.type" && value == "scene";
+      const bool keeps_scenes = (option.sets == "sampler.type" && value == "scene") ||
+                                (option.sets == "integrator.type" && value == kAutoIntegrator);
       if (option.sets.empty() || keeps_scenes) continue;
       for (const auto& [key, text] : set)
         if (to_snake_case(key) == option.sets && text != value)
@@ -148,11 +151,54 @@ Expected<SceneDescription> read_scene_with_options(const SceneOptions& options) 
   return scene;
 }
 
+Expected<Advice> advise(ReadScene& scene, const SceneOptions& options) {
+  AdviceOptions advice{.intersector = intersector_of(options.intersector),
+                       .hierarchy_cache = own_hierarchy_cache(),
+                       .fixed = {},
+                       .takes_photons = !options.excludes_photons,
+                       .threads = int(core_count())};
+  for (const auto& [key, value] : split_assignments(options.settings))
+    advice.fixed.push_back(to_snake_case(key));
+  if (options.sampler || options.needs_independent) advice.fixed.emplace_back("sampler.type");
+  return advise(scene.description, advice);
+}
+
+namespace {
+
+/// Chooses what the options leave open.
+Expected<void> make_choices(ReadScene& scene, const SceneOptions& options) {
+  scene.sampler_replaced = replace_independent_sampler(options, scene.description);
+  scene.choice.clear();
+  scene.chosen.clear();
+  if (options.integrator != kAutoIntegrator) return {};
+  // All frames of a shot are rendered alike.
+  const bool is_elsewhere = options.shot_begin && options.shot_begin != options.frame &&
+                            !options.frame_is_a_file && !scene.description.uses_variables;
+  SceneOptions at_begin = options;
+  if (is_elsewhere) at_begin.frame = options.shot_begin;
+  if (auto moved = is_elsewhere ? go_to_frame(scene.description, at_begin) : Expected<void>(); !moved)
+    return moved;
+  const auto advice = advise(scene, options);
+  if (auto moved = is_elsewhere ? go_to_frame(scene.description, options) : Expected<void>(); !moved)
+    return moved;
+  if (!advice) return fail(fmt::format("{}: --integrator auto: {}", options.file, advice.error().message));
+  scene.chosen = advice->choice().settings;
+  auto settings = settings_with(scene.description, scene.chosen);
+  if (!settings) return std::unexpected(settings.error());
+  static_cast<RenderSettings&>(scene.description) = std::move(*settings);
+  scene.choice = choice_line(*advice);
+  for (const auto& [key, value] : scene.chosen) scene.sampler_replaced &= key != "sampler.type";
+  return {};
+}
+
+}  // namespace
+
 Expected<ReadScene> read_scene_to_render(const SceneOptions& options) {
   auto description = read_scene_with_options(options);
   if (!description) return std::unexpected(description.error());
-  const bool sampler_replaced = replace_independent_sampler(options, *description);
-  return ReadScene{std::move(*description), sampler_replaced};
+  ReadScene scene{std::move(*description)};
+  if (auto chosen = make_choices(scene, options); !chosen) return std::unexpected(chosen.error());
+  return scene;
 }
 
 Expected<ReadScene> read_scene_file(const SceneOptions& options) {
@@ -168,7 +214,7 @@ Expected<void> complete_scene(ReadScene& scene, const SceneOptions& options) {
   if (!read) return std::unexpected(read.error());
   auto done = complete_scene(scene.description, *read);
   if (done) done = apply_other_options(scene.description, options);
-  if (done) scene.sampler_replaced = replace_independent_sampler(options, scene.description);
+  if (done) done = make_choices(scene, options);
   return done;
 }
 
@@ -213,6 +259,8 @@ Expected<LoadedScene> build_scene(const ReadScene& read, const SceneOptions& opt
   scene.boundary_names = boundary_names(read.description);
   scene.summary = summarize(scene.device);
   scene.sampler_replaced = read.sampler_replaced;
+  scene.choice = read.choice;
+  scene.chosen = read.chosen;
   scene.kept = std::move(kept);
   return scene;
 }

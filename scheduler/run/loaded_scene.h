@@ -11,6 +11,7 @@
 #include "scenes/device/device_scene_builder.h"
 #include "scenes/matte_names.h"
 #include "scenes/scene_description.h"
+#include "scheduler/advise/advice.h"
 #include "scheduler/render/frames.h"
 #include "scheduler/run/render_options.h"
 #include "worker/protocol/asset_manifest.h"
@@ -31,6 +32,8 @@ struct LoadedScene {
   std::map<int, std::string> boundary_names;  ///< see boundary_names()
   std::uint32_t asked_spp = 0;    ///< samples per pixel before a preview changed them; 0: it did not
   bool sampler_replaced = false;  ///< the scene's independent sampler, by sobol
+  std::string choice = {};        ///< what kAutoIntegrator has chosen, for the user; empty: it was not asked
+  SettingValues chosen = {};      ///< the same as settings, which the description has
   double seconds = 0;             ///< load time
   std::shared_ptr<const KeptFrame> kept = {};  ///< of the same shot, or null
   glm::dvec3 center{0.0};                      ///< see scene_center; set by reduce
@@ -54,10 +57,16 @@ Expected<void> go_to_frame(SceneDescription& scene, const SceneOptions& options)
 /// A description with what was chosen for it.
 struct ReadScene {
   SceneDescription description;
-  bool sampler_replaced = false;  ///< see LoadedScene
+  bool sampler_replaced = false;  ///< these are as in LoadedScene
+  std::string choice = {};
+  SettingValues chosen = {};
 };
 
-/// The same as read_scene_with_options, and replaces an independent sampler that no option asks for.
+/// Renders the pilots of `--integrator auto` for a scene with the options applied.
+Expected<Advice> advise(ReadScene& scene, const SceneOptions& options);
+
+/// The same as read_scene_with_options, and replaces an independent sampler that no option asks for. With
+/// kAutoIntegrator the scene gets what advise() chooses.
 Expected<ReadScene> read_scene_to_render(const SceneOptions& options);
 
 /// What the scene's file says, which complete_scene gives the settings of these options, or of others that

@@ -190,6 +190,7 @@ Expected<void> write_outputs(PreparedRender& prepared, const RenderOutcome& outc
   statistics.workers = prepared.farm.workers;
   statistics.outcome = &outcome;
   statistics.warnings = prepared.scene.description.warnings;
+  statistics.choice = prepared.scene.choice;
   statistics.needs = prepared.scene.summary.needs;
   statistics.left_out = prepared.scene.summary.left_out;
   // If the scene is shared with other renders, only its device scene is known.

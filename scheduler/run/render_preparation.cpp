@@ -60,6 +60,15 @@ Expected<DeviceOptions> device_options(const RenderOptions& options, const Devic
   return device;
 }
 
+/// The options that ask for what was chosen.
+void record_choice(const SettingValues& chosen, RenderRecord& record) {
+  record.scene.integrator = integrator_name(record.integrator);
+  const auto options = all_render_options();
+  for (const auto& [key, value] : chosen)
+    if (std::ranges::find(options, key, &RenderOption::sets) == options.end())
+      record.scene.settings.push_back(key + "=" + value);
+}
+
 /// The request with what the scene and the device decide.
 RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene, const Film& film,
                          const DeviceOptions& device) {
@@ -67,6 +76,7 @@ RenderRecord make_record(const RenderOptions& options, const LoadedScene& scene,
   static_cast<RenderSettings&>(record) = scene.description;
   static_cast<RenderRequest&>(record) = options;
   record.scene_hash = scene.description.contents_hash;
+  if (!scene.choice.empty()) record_choice(scene.chosen, record);
   if (record.scene.frame && !record.scene.fps)
     record.scene.fps = scene.description.fps.value_or(kFramesPerSecond);
   record.film = film;
@@ -106,6 +116,10 @@ Expected<void> check_device_options(const RenderRequest& request) {
       !used)
     return used;
   return request.isa.empty() ? Expected<void>() : check_isa(device_of(request).isa);
+}
+
+void show_choice(PreparedRender& prepared) {
+  if (!prepared.scene.choice.empty()) prepared.job.integrator += " (auto)";
 }
 
 FarmOptions farm_of(const RenderOptions& options) {
@@ -209,6 +223,7 @@ Expected<PreparedRender> prepare_render(const RenderOptions& options, const Scen
   prepared.farm.keys = *keys;
   for (int axis = 0; axis < 3; ++axis) prepared.job.center[axis] = scene->center[axis];
   prepared.scene = std::move(*scene);
+  show_choice(prepared);
   if (auto checked = check_render_job(prepared.job); !checked) return std::unexpected(checked.error());
   return prepared;
 }
@@ -225,6 +240,7 @@ std::expected<PreparedRender, ExitCode> prepare_watched_render(const RenderOptio
   if (const auto denoiser = check_denoiser(prepared->record.film.denoise); !denoiser)
     return complain(denoiser.error(), kBadInput);
   for (const std::string& warning : prepared->scene.description.warnings) print_warning(warning);
+  if (!prepared->scene.choice.empty() && !options.quiet) print_message(prepared->scene.choice);
   const auto worker = find_program("penumbra-worker");
   if (!worker) return complain(worker.error(), kIncomplete);
   prepared->farm.worker_executable = worker->string();

@@ -43,6 +43,9 @@ RenderJob job_of_record(const RenderRecord& record, const DeviceOptions& device,
 /// that the requested device exists, and prints the scene's warnings. On failure the error is printed.
 std::expected<PreparedRender, ExitCode> prepare_watched_render(const RenderOptions& options);
 
+/// Tells viewers that `--integrator auto` chose the job's integrator, if it did.
+void show_choice(PreparedRender& prepared);
+
 /// The device that a request asks for, the widest instruction set of this machine unless it names one.
 DeviceOptions device_of(const RenderRequest& request);
 

@@ -159,6 +159,7 @@ wire::Submission encode(const Submission& submission) {
     message.mutable_beside()->set_shot(submission.beside->shot);
     for (const int frame : submission.beside->frames) message.mutable_beside()->add_frames(frame);
   }
+  message.set_choice(wire_text(submission.choice, kLongestText));
   return message;
 }
 
@@ -200,6 +201,7 @@ Expected<Submission> decode(const wire::Submission& message) {
     return fail(fmt::format("'{}' is no folder for results: a relative path without '..'",
                             wire_text(submission.folder, kLongestName)));
   submission.submitter = wire_text(message.submitter(), kLongestName);
+  submission.choice = wire_text(message.choice(), kLongestText);
   if (message.has_group())
     submission.group = {message.group().number(), wire_text(message.group().name(), kLongestName),
                         message.group().size()};

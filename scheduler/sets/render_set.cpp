@@ -312,6 +312,8 @@ Expected<void> SceneSet::read_scene(std::size_t index) {
   if (!options_.force && entries_[index].key == keys_[index])
     return end(index, SetState::kUnchanged), Expected<void>();
   if (prepared->scene.sampler_replaced) sampler_replaced_ = true;
+  if (const std::string& choice = prepared->scene.choice; !choice.empty() && !options_.quiet)
+    print_message(fmt::format("{}: {}", entries_[index].name, choice));
   if (const auto made = make_folders(prepared->files); !made) return made;
   const auto resumed = attach_checkpoint(*prepared, options, worker_);
   if (!resumed) return std::unexpected(resumed.error());

@@ -110,6 +110,7 @@ class SetPlanner {
     if (!scenes.axes.front().values.empty())
       if (const auto added = add(scenes); !added) return std::unexpected(added.error());
     order_members();
+    choose_alike();
     const std::size_t more = options_.scenes.size() - 1;
     plan_.name = fs::path(options_.scenes.front()).filename().string();
     if (more > 0) plan_.name += fmt::format(" and {} more", more);
@@ -193,6 +194,19 @@ class SetPlanner {
       fields["scene"] = file->without_field().string();
     fields.erase("frame");
     return fill_in(with_hashes(name), fields).value_or("");
+  }
+
+  /// Tells frames that choose their integrator where their shot begins.
+  void choose_alike() {
+    std::map<std::string, int> begins;
+    for (const SetMember& member : plan_.members)
+      if (const auto frame = member.options.scene.frame; frame && !member.shot.empty()) {
+        const auto [begin, is_new] = begins.emplace(member.shot, *frame);
+        begin->second = std::min(begin->second, *frame);
+      }
+    for (SetMember& member : plan_.members)
+      if (member.options.scene.integrator == kAutoIntegrator && begins.contains(member.shot))
+        member.options.scene.shot_begin = begins.at(member.shot);
   }
 
   /// The shots of the members, which are in their order.

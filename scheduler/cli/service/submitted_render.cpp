@@ -54,7 +54,8 @@ Submission submission_of(const PreparedRender& prepared, const SetMember& member
                         .mattes = prepared.scene.mattes,
                         .folder = stored_folder(member),
                         .submitter = submitter_name(),
-                        .frame = member.options.scene.frame};
+                        .frame = member.options.scene.frame,
+                        .choice = prepared.scene.choice};
   submission.record.threads = 0;  // the service has its own
   std::ranges::copy(job.center, submission.center.begin());
   const OutputFiles& files = prepared.files;
@@ -96,9 +97,11 @@ Expected<PreparedRender> prepared_of(const Submission& submission, StoredScene s
   prepared.scene.summary.needs = submission.needs;
   prepared.scene.summary.left_out = submission.left_out;
   prepared.scene.seconds = submission.build_seconds;
+  prepared.scene.choice = submission.choice;
   prepared.scene.mattes = submission.mattes;
   prepared.job = job_of_record(prepared.record, device_of(prepared.record), std::move(stored.scene),
                                std::move(stored.manifest));
+  show_choice(prepared);
   prepared.job.priority = submission.priority;
   prepared.job.submitter = submission.submitter;
   std::ranges::copy(submission.center, prepared.job.center);

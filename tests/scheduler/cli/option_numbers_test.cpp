@@ -23,6 +23,7 @@ const std::map<std::string, Arguments> kCommands = {
     {"render", {"none.xml"}},
     {"preview", {"none.xml"}},
     {"info", {"none.xml"}},
+    {"advise", {"none.xml"}},
     {"keys", {"none/none"}},
     {"settings", {}},
     {"plugins", {}},
