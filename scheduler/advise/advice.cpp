@@ -17,9 +17,11 @@
 namespace penumbra {
 namespace {
 
-// The best number of photons is found from a pilot with at most so many.
+// The best number of photons is found from a pilot with at most so many. It is a lower bound where points of
+// low discrepancy hide the photons' share of the variance; fewer than kFewestPhotons leave rare bright
+// pixels.
 constexpr int kPilotPhotons = 50'000;
-constexpr int kFewestPhotons = 500, kMostPhotonPaths = 1'000'000;
+constexpr int kFewestPhotons = 10'000, kMostPhotonPaths = 1'000'000;
 constexpr int kMostPolygons = 32;
 // What replaces something else must be better by this factor, and by so many standard errors. Photons by
 // fewer: rare bright samples of paths, which make the standard error large, are what photons are for, and a

@@ -103,7 +103,7 @@ TEST_F(AdviseCommand, FramesOfAShotAreAlike) {
 }
 
 TEST_F(AdviseCommand, AContinuedRenderKeepsTheChoice) {
-  const Arguments all{"render", "c.xml", "--integrator", "auto", "--spp", "400"};
+  const Arguments all{"render", "c.xml", "--integrator", "auto", "--spp", "100"};
   const auto with = [](Arguments arguments, const Arguments& more) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;

@@ -1,4 +1,4 @@
-// A diffuse floor that light reaches only through the glass around a small lamp, 48 x 40 pixels.
+// A diffuse floor that light reaches only through the glass around a small lamp, 96 x 80 pixels.
 #pragma once
 
 #include <filesystem>
@@ -18,8 +18,8 @@ inline void write_caustic_scene(const std::filesystem::path& path) {
     </transform>
     <sampler type="independent"><integer name="sample_count" value="$spp"/></sampler>
     <film type="hdrfilm">
-      <integer name="width" value="48"/>
-      <integer name="height" value="40"/>
+      <integer name="width" value="96"/>
+      <integer name="height" value="80"/>
       <rfilter type="box"/>
     </film>
   </sensor>
