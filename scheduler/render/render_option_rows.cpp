@@ -116,8 +116,7 @@ void add_scene_rows(std::vector<RenderOption>& all) {
   add_frame_rows(all);
   OptionRows sampling{all, group::kSampling, kScene, kFiles};
   sets(sampling.add("--integrator", "NAME", AT(scene.integrator), {one_of(integrator_choices())},
-                    "Integrator instead of the scene's; path is path_mis; auto: what pilot renders find best "
-                    "(`penumbra advise`)"),
+                    "Integrator instead of the scene's; path is path_mis; auto: by pilot renders"),
        "integrator.type");
   sets(sampling.add(
            "--sampler", "NAME", AT(scene.sampler), {one_of(sampler_names())},
