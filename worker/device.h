@@ -52,9 +52,9 @@ struct OpenClTuning {
 struct DeviceOptions {
   Backend backend = Backend::kNative;
   int threads = 1;
-  Isa isa = Isa::kSse2;       ///< native: must be usable on this machine, see check_isa()
-  bool block_of_one = false;  ///< native: blocks of one pixel, for debugging it
-  int* probe = nullptr;       ///< native, with block_of_one: see Block::probe
+  Isa isa = Isa::kSse2;          ///< native: must be usable on this machine, see check_isa()
+  bool block_of_one = false;     ///< native: blocks of one pixel, for debugging it
+  int* probe = nullptr;          ///< native, with block_of_one: see Block::probe
   TracedRays* traced = nullptr;  ///< native: receives what units trace, added to what is there
   /// Its number, or a part of its name or its platform's, see find_opencl_device; empty: the first CPU
   /// device, else any. With kAuto: the only candidate, even if it is a CPU.

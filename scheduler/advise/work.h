@@ -7,7 +7,7 @@
 namespace penumbra {
 
 /// Work in units of one path vertex of a small scene: its ray and its material. The weights are fits to CPU
-/// times of 29 rooms, whose vertices scatter around them by a factor of 1.5 (scheduler/MEASUREMENTS.md).
+/// times of some 27 scenes, which they meet within a factor of about 1.5.
 struct WorkWeights {
   double vertex = 1, shadow_ray = 0, photon_ray = 0;
 };

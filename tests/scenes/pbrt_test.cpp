@@ -458,9 +458,12 @@ TEST_F(PbrtText, TexturesMadeOfImages) {
       "0.25\n"
       "Texture \"rough\" \"float\" \"imagemap\" \"string filename\" \"b.png\" \"string encoding\" \"linear\" "
       "\"bool invert\" true\n"
+      "Texture \"dimmed\" \"float\" \"imagemap\" \"string filename\" \"b.png\" \"string encoding\" "
+      "\"linear\" \"float scale\" 0.5 \"bool invert\" true\n"
       "Material \"diffuse\" \"texture reflectance\" \"product\"\n" +
       std::string(kTriangle) + "Material \"diffuse\" \"texture reflectance\" \"mixture\"\n" + kTriangle +
-      "Material \"conductor\" \"texture roughness\" \"rough\"\n" + kTriangle);
+      "Material \"conductor\" \"texture roughness\" \"rough\"\n" + kTriangle +
+      "Material \"conductor\" \"texture roughness\" \"dimmed\"\n" + kTriangle);
   const auto texels = [&](int texture) {
     const auto& model = std::get<BitmapTexture>(scene.textures.at(std::size_t(texture)).model);
     const Bitmap& bitmap = *scene.bitmaps.at(std::size_t(model.bitmap));
@@ -473,6 +476,8 @@ TEST_F(PbrtText, TexturesMadeOfImages) {
   const auto& metal = std::get<RoughConductorBsdf>(front(scene, 2));
   EXPECT_EQ(metal.alpha_u.texture, metal.alpha_v.texture);
   EXPECT_TRUE(near(texels(metal.alpha_u.texture), {std::sqrt(0.8), 0})) << "alpha is the square root";
+  const auto& dimmed = std::get<RoughConductorBsdf>(front(scene, 3));
+  EXPECT_TRUE(near(texels(dimmed.alpha_u.texture), {std::sqrt(0.9), std::sqrt(0.5)})) << "1 - scale * texel";
 }
 
 TEST_F(PbrtText, TexelsUnderACoatingAreCutAsConstantsAre) {

@@ -47,9 +47,9 @@ const std::map<std::string, Arguments> kCommands = {
 /// What options take, as the help calls it.
 const std::set<std::string> kNumbers = {"N",     "S",    "SECONDS", "P",  "E",       "SHARE", "INT",
                                         "STOPS", "DAYS", "SIZE",    "EV", "PERCENT", "TIME",  "RATE"};
-const std::set<std::string> kTexts = {"NAME",    "NAMES",   "KEY",  "FILE", "FOLDER", "ADDRESS", "HOST",
-                                      "COMMAND", "PROGRAM", "TEXT", "X",    "METRIC", "MAP",     "LOW",
-                                      "KIND",    "PLACE",   "DIR",  "A",    "LIST",   "MODE",    "ORDER"};
+const std::set<std::string> kTexts = {
+    "NAME",   "NAMES", "KEY", "FILE", "FOLDER", "ADDRESS", "HOST", "COMMAND", "PROGRAM", "TEXT",  "X",
+    "METRIC", "MAP",   "LOW", "KIND", "PLACE",  "DIR",     "A",    "LIST",    "MODE",    "ORDER", "STYLE"};
 const std::set<std::string> kMayBeNegative = {"--exposure", "--priority", "PRIORITY", "--frame-offset"};
 
 const std::set<std::string> kMayBeInfinite = {"--retry-for"};
