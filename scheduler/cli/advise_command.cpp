@@ -6,7 +6,6 @@
 
 #include "scheduler/advise/advice_text.h"
 #include "scheduler/cli/commands.h"
-#include "scheduler/files/quoting.h"
 #include "scheduler/run/loaded_scene.h"
 #include "worker/cli/help_text.h"
 
@@ -27,14 +26,15 @@ ExitCode advise(const AdviseOptions& options) {
   if (!read) return print_error(read.error()), kBadInput;
   const auto advice = advise(*read, scene);
   if (!advice) return print_error({fmt::format("{}: {}", scene.file, advice.error().message)}), kBadInput;
-  const std::string command =
-      fmt::format("penumbra render {} {}", shell_quoted_file(scene.file), choice_options(advice->choice()));
   if (options.json) {
     nlohmann::ordered_json json = {{"scene", scene.file}};
     json.update(advice_json(*advice));
     print_answer(json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   } else {
-    print_answer(fmt::format("{}\n{}\n  {}\n", advice_table(*advice), choice_line(*advice), command));
+    const std::string choice = choice_options(advice->choice());
+    print_answer(fmt::format("{}\n{}\n{}\n", advice_table(*advice), choice_line(*advice),
+                             choice.empty() ? "No options are better than the scene's."
+                                            : "Options for penumbra render: " + choice));
   }
   return kAllDone;
 }
