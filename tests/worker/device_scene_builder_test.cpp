@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,7 +27,13 @@ SceneDescription moved(SceneDescription scene, const dvec3& shift) {
     if (auto* sphere = std::get_if<Sphere>(&shape.geometry)) sphere->center += shift;
     if (auto* disk = std::get_if<Disk>(&shape.geometry)) disk->center += shift;
     if (auto* cylinder = std::get_if<Cylinder>(&shape.geometry)) cylinder->center += shift;
+    if (auto* curves = std::get_if<Curves>(&shape.geometry))
+      for (Curve& curve : curves->curves)
+        for (ControlPoint& point : curve) point.position += shift;
   }
+  for (ParticipatingMedium& medium : scene.media)
+    for (std::optional<GridVolume>* grid : {&medium.density, &medium.albedo_grid, &medium.emission_grid})
+      if (*grid) (*grid)->to_world[3] += glm::dvec4(shift, 0);
   for (Emitter& emitter : scene.emitters)
     if (auto* point = std::get_if<PointLight>(&emitter)) point->position += shift;
   scene.camera.to_world[3] += glm::dvec4(shift, 0);
@@ -219,8 +226,9 @@ DeviceScene build_with_uv(const SceneDescription& scene) {
 TEST(TextureCoordinates, AreThereIfTheyAreWanted) {
   for (const NamedScene& named : device_scenes()) {
     const SceneDescription scene = named.make();
-    if (!scene.textures.empty()) continue;  // which want them anyway
-    const DeviceScene without = build(scene), with = build_with_uv(scene);
+    const DeviceScene without = build(scene);
+    if ((without.header.features & FEATURE_UV) != 0u) continue;  // which wants them anyway
+    const DeviceScene with = build_with_uv(scene);
     EXPECT_EQ(with.header.features, without.header.features | FEATURE_UV) << named.name;
     EXPECT_EQ(without.header.tables.vertex_uvs.count, 0);
     EXPECT_EQ(without.header.tables.light_triangles.count, 0);
