@@ -51,8 +51,8 @@ struct Submission {
   std::vector<JobId> after = {};  ///< jobs or groups that must be done before it begins
   std::optional<int> frame = {};  ///< of a shot
   std::optional<NumbersBeside> beside =
-      {};  ///< only of a frame with a denoised EXR; nothing: denoised by itself
-  std::string choice = {};        ///< what `--integrator auto` has chosen, for users; empty: it was not asked
+      {};                   ///< only of a frame with a denoised EXR; nothing: denoised by itself
+  std::string choice = {};  ///< what `--integrator auto` has chosen, for users; empty: it was not asked
 };
 
 /// Whether a service may store a file of that name in a job's folder, and a client may write it to a folder:
