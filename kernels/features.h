@@ -57,7 +57,8 @@ PENUMBRA_NAMESPACE_BEGIN
   X(CURVES, "curves")                                                   \
   X(INTERIORS, "scattering below surfaces, and coloured glass")         \
   X(SPREAD, "flat lights that shine into a cone")                       \
-  X(TANGENTS, "tangents of vertices")
+  X(TANGENTS, "tangents of vertices")                                   \
+  X(COAT_NORMALS, "coats with normals of their own")
 
 #define NUMBER_FEATURE(name, text) NUMBER_OF_##name,
 enum { PENUMBRA_FEATURES(NUMBER_FEATURE) FEATURE_COUNT };

@@ -268,11 +268,12 @@ PENUMBRA_NAMESPACE_BEGIN
 // The fields of a material's closure (BSDF lobes). Material 0 absorbs everything.
 #define MATERIAL_FIELD(F, type, name) F(type, name)
 #define MATERIAL_TEXTURE(F, type, name) F(int, name##_texture) /* index, or -1 for the constant value */
-// All material parameters that may have a texture: those of the closure, and three more.
+// All material parameters that may have a texture: those of the closure, and four more.
 #define MATERIAL_TEXTURES(F, a) \
   TEXTURED_FIELDS(F, a)         \
   F(a, float, weight)           \
   F(a, int, bend)               \
+  F(a, int, coat_bend)          \
   F(a, int, turn)
 // A material is a tree of BSDFs. A leaf scatters by its closure. An inner node chooses `first` or `second` at
 // random at each point; both have lower indices than the node, or are -1: rays pass through. A texture may
@@ -288,8 +289,11 @@ PENUMBRA_NAMESPACE_BEGIN
   F(float, bend_scale)   /* strength, see bend_normal.h; negative: bumps seen from the other side */ \
   F(float, bend_step)    /* difference of texture coordinates at which heights are compared */       \
   F(int, bend_shadows)   /* 1: bumps shadow each other, see bump_shadow */                           \
-  F(int, turn)           /* 1: the tangent of a leaf is turned; -1: mirrored; else 0 */              \
-  F(float, turn_cosine)  /* of the angle */                                                          \
+  F(int, coat_bend)      /* BEND_*: what bends the normal of a coat with OPENPBR_OWN_COAT */         \
+  F(float, coat_bend_scale)                                                                          \
+  F(float, coat_bend_step)                                                                           \
+  F(int, turn)          /* 1: the tangent of a leaf is turned; -1: mirrored; else 0 */               \
+  F(float, turn_cosine) /* of the angle */                                                           \
   F(float, turn_sine)                                                                                \
   F(float, pane)       /* relative index of a thin pane, which rays pass at random; else 0 */        \
   F(int, flat_glass)   /* 1: glass of plates, see flat_glass.h */                                    \

@@ -62,9 +62,10 @@ struct InnerMedium {
 struct Bsdf {
   std::string name;  ///< the id in the scene file, or a description of the location; for messages
   BsdfModel model;
-  SurfaceBend bend = {};                   ///< normal or bump map; only of a BSDF that holds no others
-  SurfaceTurn turn = {};                   ///< likewise
-  std::optional<InnerMedium> inside = {};  ///< only of a BSDF of the front that holds no others
+  SurfaceBend bend = {};                      ///< normal or bump map; only of a BSDF that holds no others
+  SurfaceTurn turn = {};                      ///< likewise
+  std::optional<SurfaceBend> coat_bend = {};  ///< of an OpenPbrBsdf's coat, if not `bend`
+  std::optional<InnerMedium> inside = {};     ///< only of a BSDF of the front that holds no others
 };
 
 /// The material of one BSDF. The materials of its children are not known here, so the device scene sets
@@ -79,6 +80,10 @@ inline Material material_of(const Bsdf& bsdf, MaterialTables& tables) {
   Material m = std::visit(material, bsdf.model);
   set_bend(m, bsdf.bend);
   set_turn(m, bsdf.turn);
+  const auto* coated = std::get_if<OpenPbrBsdf>(&bsdf.model);
+  const bool own_coat = bsdf.coat_bend && coated != nullptr && coated->coated() && !coated->inside;
+  const bool smooth = own_coat && bsdf.coat_bend->kind == BendKind::kNone;
+  if (own_coat && !(smooth && bsdf.bend.kind == BendKind::kNone)) set_coat_bend(m, *bsdf.coat_bend);
   return m;
 }
 

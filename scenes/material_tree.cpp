@@ -66,7 +66,25 @@ bool is_nothing(const MaterialTree& tree) {
 bool is_bent(const MaterialTree& tree) {
   if (tree == nullptr) return false;
   if (is_branch(tree)) return is_bent(tree->first) || is_bent(tree->second);
+  return tree->bsdf.bend.kind != BendKind::kNone || is_coat_bent(tree);
+}
+
+bool is_coat_bent(const MaterialTree& tree) {
+  if (tree == nullptr) return false;
+  if (is_branch(tree)) return is_coat_bent(tree->first) || is_coat_bent(tree->second);
+  return tree->bsdf.coat_bend.value_or(tree->bsdf.bend).kind != BendKind::kNone;
+}
+
+bool is_base_bent(const MaterialTree& tree) {
+  if (tree == nullptr) return false;
+  if (is_branch(tree)) return is_base_bent(tree->first) || is_base_bent(tree->second);
   return tree->bsdf.bend.kind != BendKind::kNone;
+}
+
+bool has_openpbr(const MaterialTree& tree) {
+  if (tree == nullptr) return false;
+  if (is_branch(tree)) return has_openpbr(tree->first) || has_openpbr(tree->second);
+  return std::holds_alternative<OpenPbrBsdf>(tree->bsdf.model);
 }
 
 bool is_turned(const MaterialTree& tree) {
@@ -107,8 +125,13 @@ MaterialTree with_hair(const MaterialTree& tree, const Fibre& fibre) {
 
 }  // namespace
 
-MaterialTree bent(const MaterialTree& tree, const SurfaceBend& bend) {
-  return with_leaves(tree, [&](Bsdf& bsdf) { bsdf.bend = bend; });
+MaterialTree bent(const MaterialTree& tree, const SurfaceBend& bend, BentLayers layers) {
+  return with_leaves(tree, [&](Bsdf& bsdf) {
+    const bool coats = std::holds_alternative<OpenPbrBsdf>(bsdf.model);
+    if (layers == BentLayers::kBase && coats && !bsdf.coat_bend) bsdf.coat_bend = SurfaceBend{};
+    if (layers == BentLayers::kCoat && coats) bsdf.coat_bend = bend;
+    if (layers != BentLayers::kCoat) bsdf.bend = bend;
+  });
 }
 
 SurfaceMaterial turned(const SurfaceMaterial& material, const SurfaceTurn& turn) {
@@ -137,10 +160,10 @@ SurfaceMaterial hair_of_round_curves(const SurfaceMaterial& material) {
   return {front, material.back == material.front ? front : with_hair(material.back, fibre)};
 }
 
-SurfaceMaterial bent(const SurfaceMaterial& material, const SurfaceBend& bend) {
+SurfaceMaterial bent(const SurfaceMaterial& material, const SurfaceBend& bend, BentLayers layers) {
   SurfaceBend behind = bend;
   behind.scale = -bend.scale;
-  return {bent(material.front, bend), bent(material.back, behind)};
+  return {bent(material.front, bend, layers), bent(material.back, behind, layers)};
 }
 
 int MaterialInstaller::add(const MaterialTree& tree, SceneDescription& scene) {

@@ -45,18 +45,24 @@ SurfaceMaterial filled(const SurfaceMaterial& material, const InnerMedium& insid
 /// Whether the tree is a single NullBsdf.
 bool is_nothing(const MaterialTree& tree);
 
-/// Whether any leaf has a normal or bump map.
+/// Whether any leaf has a normal or bump map; the same of its coat, and of all else.
 bool is_bent(const MaterialTree& tree);
+bool is_coat_bent(const MaterialTree& tree);
+bool is_base_bent(const MaterialTree& tree);
+
+/// Whether any leaf is one of OpenPBR's surfaces, whose coats may have normals of their own.
+bool has_openpbr(const MaterialTree& tree);
 
 /// Whether the tangent of any leaf is turned.
 bool is_turned(const MaterialTree& tree);
 
-/// The tree with `bend` applied to all leaves.
-MaterialTree bent(const MaterialTree& tree, const SurfaceBend& bend);
+/// The tree with `bend` applied to these layers of all leaves.
+MaterialTree bent(const MaterialTree& tree, const SurfaceBend& bend, BentLayers layers = BentLayers::kAll);
 
 /// Both sides bent by the same map: a normal that leans outwards on the front leans inwards on the back. The
 /// two sides then always differ.
-SurfaceMaterial bent(const SurfaceMaterial& material, const SurfaceBend& bend);
+SurfaceMaterial bent(const SurfaceMaterial& material, const SurfaceBend& bend,
+                     BentLayers layers = BentLayers::kAll);
 
 /// The material with the tangents of all leaves turned.
 SurfaceMaterial turned(const SurfaceMaterial& material, const SurfaceTurn& turn);

@@ -26,6 +26,7 @@ void add_needs_of_bsdf(const SceneDescription& scene, int bsdf, TextureNeeds& ne
   const Bsdf& each = scene.bsdfs[std::size_t(bsdf)];
   add_needs(scene, each.bend.texture, needs);
   add_needs(scene, each.turn.texture, needs);
+  if (each.coat_bend) add_needs(scene, each.coat_bend->texture, needs);
   std::visit(
       [&](const auto& model) {
         using Model = std::remove_cvref_t<decltype(model)>;

@@ -26,6 +26,8 @@ PENUMBRA_NAMESPACE_BEGIN
 #define KEPT_UV_FIELD(X, type, name) X(type, surface_##name, ALL_OF(FEATURE_DIRECT | FEATURE_UV), FEATURE_DIRECT)
 
 #define KEPT_INSTANCE_FIELD(X, type, name) X(type, surface_##name, FEATURE_INSTANCES, FEATURE_INSTANCES)
+#define KEPT_COAT_FIELD(X, type, name) \
+  X(type, surface_##name, ALL_OF(FEATURE_DIRECT | FEATURE_COAT_NORMALS), FEATURE_DIRECT)
 
 // X(type, name, features that need it, features with which it is moved when a block is compacted). Types are
 // float, int, bool and vec3. Fields that are not moved are valid within one step only.
@@ -112,6 +114,7 @@ PENUMBRA_NAMESPACE_BEGIN
   SURFACE_HIT_FIELDS(KEPT_SURFACE_FIELD, X)                                                                           \
   SURFACE_UV_FIELDS(KEPT_UV_FIELD, X)                                                                                 \
   SURFACE_INSTANCE_FIELDS(KEPT_INSTANCE_FIELD, X)                                                                     \
+  SURFACE_COAT_FIELDS(KEPT_COAT_FIELD, X)                                                                             \
   /* the shadow ray */                                                                                                \
   X(vec3, shadow_origin, EVERY_SCENE, NEVER)                                                                          \
   X(vec3, shadow_direction, EVERY_SCENE, NEVER)                                                                       \

@@ -5,6 +5,8 @@
 // other way by the same amount, as in Mitsuba 3 from 3.7 on (Schuessler et al. 2017 discuss why). If it
 // points into the surface, the surface's own normal is used.
 //
+// A coat with a normal of its own has that of the surface, or another texture bends it in the same way.
+//
 // Then tangents are turned about these normals, by the angle from the tangent to the cross product of the
 // front's normal and the tangent, or the other way where the material's `turn` is -1. A texture's value t is
 // the direction (2 t.x - 1, 2 t.y - 1) in these axes before the turn.
@@ -102,15 +104,24 @@ FN Derivatives surface_derivatives(const PRIVATE Scene* scene, Surface s, vec3 f
   return d;
 }
 
-/// The textures of the materials that bend normals in this way (BEND_*), or -1. Returns whether there are
-/// any.
-STAGE bool note_bend_textures(const PRIVATE Scene* scene, int way, const PRIVATE Surfaces* RESTRICT surfaces,
-                              PRIVATE int* RESTRICT textures) {
+/// What bends normals: textures, or -1, and the fields of materials for them.
+typedef struct {
+  int textures[LANES];
+  float scales[LANES], steps[LANES];
+} BendLanes;
+
+/// Of the materials that bend normals in this way (BEND_*); `coat`: those of their coats. Returns whether
+/// there are any.
+STAGE bool note_bends(const PRIVATE Scene* scene, int way, bool coat,
+                      const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE BendLanes* RESTRICT by) {
   int any = 0;
   for (int j = 0; j < LANES; j++) {
     GLOBAL const Material* m = scene->materials + surfaces->material[j];
-    textures[j] = m->bend == way ? m->bend_texture : -1;
-    any |= textures[j] >= 0 ? 1 : 0;
+    const int texture = coat ? m->coat_bend_texture : m->bend_texture;
+    by->textures[j] = (coat ? m->coat_bend : m->bend) == way ? texture : -1;
+    by->scales[j] = coat ? m->coat_bend_scale : m->bend_scale;
+    by->steps[j] = coat ? m->coat_bend_step : m->bend_step;
+    any |= by->textures[j] >= 0 ? 1 : 0;
   }
   return any != 0;
 }
@@ -118,13 +129,13 @@ STAGE bool note_bend_textures(const PRIVATE Scene* scene, int way, const PRIVATE
 /// A normal map's value t is the vector 2 t - 1 in a frame of three axes: the tangent, the cross product of
 /// the front's normal and the tangent times the surface's hand, and the normal of the visible side. From
 /// behind, the same bumps appear mirrored.
-STAGE void bends_of_normals(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+STAGE void bends_of_normals(const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE BendLanes* RESTRICT by,
                             const PRIVATE TextureLanes* RESTRICT found, PRIVATE Bends* RESTRICT bends) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(surfaces, j);
       const vec3 value = LOAD_LANE_vec3(found->value, j);
-      const float lean = scene->materials[s.material].bend_scale;
+      const float lean = by->scales[j];
       const vec3 x = tangent_axis(s.shading, s.tangent);
       const vec3 y = scale(cross3(s.shading, x), s.front ? s.hand : -s.hand);
       Bend bend;
@@ -135,13 +146,12 @@ STAGE void bends_of_normals(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
 }
 
 /// Moves the texture coordinates by `u_steps` and `v_steps` times the materials' steps.
-STAGE void move_coordinates(const PRIVATE Scene* scene, float u_steps, float v_steps,
+STAGE void move_coordinates(const PRIVATE BendLanes* RESTRICT by, float u_steps, float v_steps,
                             PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const float step = scene->materials[surfaces->material[j]].bend_step;
-      surfaces->u[j] += u_steps * step;
-      surfaces->v[j] += v_steps * step;
+      surfaces->u[j] += u_steps * by->steps[j];
+      surfaces->v[j] += v_steps * by->steps[j];
     }
 }
 
@@ -216,14 +226,13 @@ FN void find_curve_derivatives(const PRIVATE Scene* scene, const PRIVATE Surface
 
 /// If a surface is displaced along its normal n by h(u, v), its new normal is that of du + h_u n and dv + h_v
 /// n (Blinn 1978). The change of n itself is neglected, as in Mitsuba 3.
-STAGE void bends_of_heights(const PRIVATE Scene* scene, const PRIVATE Surfaces* RESTRICT surfaces,
+STAGE void bends_of_heights(const PRIVATE Surfaces* RESTRICT surfaces, const PRIVATE BendLanes* RESTRICT by,
                             const PRIVATE DerivativesLanes* RESTRICT derivatives,
                             const PRIVATE float* RESTRICT heights, PRIVATE Bends* RESTRICT bends) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(surfaces, j);
-      GLOBAL const Material* m = scene->materials + s.material;
-      const float bump = m->bend_scale, step = m->bend_step;
+      const float bump = by->scales[j], step = by->steps[j];
       const float per_step = bump / (2.0f * (step > 0.0f ? step : 1.0f));
       const float h_u = per_step * (heights[j] - heights[LANES + j]);
       const float h_v = per_step * (heights[2 * LANES + j] - heights[3 * LANES + j]);
@@ -258,16 +267,34 @@ FN float bump_roughness(vec3 smooth, vec3 bent) {
   return min_f(0.125f * max_f(1.0f - cosine2, 0.0f) / max_f(cosine2, 1e-12f), 1.0f);
 }
 
-STAGE void apply_bends(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT textures,
+STAGE void apply_bends(const PRIVATE Scene* scene, const PRIVATE BendLanes* RESTRICT by,
                        const PRIVATE Bends* RESTRICT bends, PRIVATE Surfaces* RESTRICT surfaces) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
       const Surface s = load_surface(surfaces, j);
       const vec3 n = bent_normal(s, load_bend(bends, j));
-      const bool bends_it = (textures[j] >= 0) & is_hit(s);
+      const bool bends_it = (by->textures[j] >= 0) & is_hit(s);
       const int shadows = scene->materials[s.material].bend_shadows;
       surfaces->bumps[j] = (bends_it & (shadows != 0)) ? bump_roughness(s.shading, n) : s.bumps;
       STORE_LANE_vec3(surfaces->shading, j, select3(bends_it, n, s.shading));
+    }
+}
+
+/// The same of coats, before the surfaces' own normals are bent.
+STAGE void apply_coat_bends(const PRIVATE BendLanes* RESTRICT by, const PRIVATE Bends* RESTRICT bends,
+                            PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const vec3 n = bent_normal(s, load_bend(bends, j));
+      STORE_LANE_vec3(surfaces->coat, j, select3((by->textures[j] >= 0) & is_hit(s), n, s.coat));
+    }
+}
+STAGE void start_coats(PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 n = LOAD_LANE_vec3(surfaces->shading, j);
+      STORE_LANE_vec3(surfaces->coat, j, n);
     }
 }
 
@@ -302,40 +329,58 @@ STAGE void turn_tangents(const PRIVATE Scene* scene, const PRIVATE int* RESTRICT
     }
 }
 
-/// Bends the shading normals of the surfaces and turns their tangents. Their materials must be leaves.
+/// How materials bend normals, as for note_bends. Returns whether any does.
+FN bool find_bends(const PRIVATE Scene* scene, int way, bool coat, PRIVATE Surfaces* surfaces,
+                   PRIVATE BendLanes* by, PRIVATE Bends* bends) {
+  TextureLanes found;
+  if (!note_bends(scene, way, coat, surfaces, by)) return false;
+  if (way == BEND_NORMAL_MAP) {
+    eval_textures(scene, surfaces, by->textures, &found);
+    bends_of_normals(surfaces, by, &found, bends);
+    return true;
+  }
+  float heights[4 * LANES], u[LANES], v[LANES];
+  for (int j = 0; j < LANES; j++) {
+    u[j] = surfaces->u[j];
+    v[j] = surfaces->v[j];
+  }
+  for (int k = 0; k < 4; k++) {
+    move_coordinates(by, k == 0 ? 1.0f : (k == 1 ? -1.0f : 0.0f), k == 2 ? 1.0f : (k == 3 ? -1.0f : 0.0f),
+                     surfaces);
+    eval_textures(scene, surfaces, by->textures, &found);
+    note_heights(&found, heights + k * LANES);
+    for (int j = 0; j < LANES; j++) {
+      surfaces->u[j] = u[j];
+      surfaces->v[j] = v[j];
+    }
+  }
+  DerivativesLanes derivatives;
+  find_derivatives(scene, surfaces, &derivatives);
+  if (NEEDS(scene, INSTANCES)) find_instance_derivatives(scene, surfaces, &derivatives);
+  if (HAS(MOTION) && has_moving_surfaces(scene)) find_moving_derivatives(scene, surfaces, &derivatives);
+  if (HAS(CURVES) && NEEDS(scene, CURVES)) find_curve_derivatives(scene, surfaces, &derivatives);
+  bends_of_heights(surfaces, by, &derivatives, heights, bends);
+  return true;
+}
+
+/// Bends the shading normals of the surfaces and of their coats, and turns their tangents. Their materials
+/// must be leaves.
 FN void bend_normals(const PRIVATE Scene* scene, PRIVATE Surfaces* surfaces) {
+  BendLanes by;
+  Bends bends;
+  const bool coats = NEEDS(scene, COAT_NORMALS);
+  if (coats) start_coats(surfaces);
+  for (int layer = coats ? 0 : 1; layer < 2; layer++)
+    for (int way = BEND_NORMAL_MAP; way <= BEND_BUMP_MAP; way++) {
+      const bool coat = HAS(COAT_NORMALS) && layer == 0;
+      if (!find_bends(scene, way, coat, surfaces, &by, &bends)) continue;
+      if (coat)
+        apply_coat_bends(&by, &bends, surfaces);
+      else
+        apply_bends(scene, &by, &bends, surfaces);
+    }
   int textures[LANES];
   TextureLanes found;
-  Bends bends;
-  if (note_bend_textures(scene, BEND_NORMAL_MAP, surfaces, textures)) {
-    eval_textures(scene, surfaces, textures, &found);
-    bends_of_normals(scene, surfaces, &found, &bends);
-    apply_bends(scene, textures, &bends, surfaces);
-  }
-  if (note_bend_textures(scene, BEND_BUMP_MAP, surfaces, textures)) {
-    float heights[4 * LANES], u[LANES], v[LANES];
-    for (int j = 0; j < LANES; j++) {
-      u[j] = surfaces->u[j];
-      v[j] = surfaces->v[j];
-    }
-    for (int k = 0; k < 4; k++) {
-      move_coordinates(scene, k == 0 ? 1.0f : (k == 1 ? -1.0f : 0.0f),
-                       k == 2 ? 1.0f : (k == 3 ? -1.0f : 0.0f), surfaces);
-      eval_textures(scene, surfaces, textures, &found);
-      note_heights(&found, heights + k * LANES);
-      for (int j = 0; j < LANES; j++) {
-        surfaces->u[j] = u[j];
-        surfaces->v[j] = v[j];
-      }
-    }
-    DerivativesLanes derivatives;
-    find_derivatives(scene, surfaces, &derivatives);
-    if (NEEDS(scene, INSTANCES)) find_instance_derivatives(scene, surfaces, &derivatives);
-    if (HAS(MOTION) && has_moving_surfaces(scene)) find_moving_derivatives(scene, surfaces, &derivatives);
-    if (HAS(CURVES) && NEEDS(scene, CURVES)) find_curve_derivatives(scene, surfaces, &derivatives);
-    bends_of_heights(scene, surfaces, &derivatives, heights, &bends);
-    apply_bends(scene, textures, &bends, surfaces);
-  }
   if (note_turn_textures(scene, surfaces, textures)) {
     eval_textures(scene, surfaces, textures, &found);
     turn_tangents(scene, textures, &found, surfaces);

@@ -95,6 +95,38 @@ STAGE void offset_hair_lanes(const PRIVATE float* RESTRICT v, PRIVATE float* RES
     for (int j = 0; j < LANES; j++) offsets[j] = clamp_f(2.0f * v[j] - 1.0f, -1.0f, 1.0f);
 }
 
+/// The x axis of the frame in which a family with these `properties` (a constant) is evaluated; 0 if any axis
+/// will do. The frame of an isotropic closure does not follow the tangent, so that images do not depend on
+/// whether the tangent is known.
+FN vec3 family_axis(int properties, Closure c, Surface s) {
+  const vec3 none = make_vec3(0.0f, 0.0f, 0.0f);
+  const vec3 tangent = select3(is_anisotropic(c), s.tangent, none);
+  return (properties & ANISOTROPIC) != 0 ? tangent_axis(s.shading, tangent) : none;
+}
+FN vec3 to_family_frame(int properties, vec3 n, vec3 axis, vec3 v) {
+  if ((properties & FREE) != 0) return v;
+  if ((properties & ANISOTROPIC) == 0) return to_frame(n, v);
+  return make_vec3(dot3(axis, v), dot3(cross3(n, axis), v), dot3(n, v));
+}
+FN vec3 from_family_frame(int properties, vec3 n, vec3 axis, vec3 v) {
+  if ((properties & FREE) != 0) return v;
+  if ((properties & ANISOTROPIC) == 0) return from_frame(n, v.x, v.y, v.z);
+  return add_scaled(add_scaled(scale(axis, v.x), v.y, cross3(n, axis)), v.z, n);
+}
+
+/// Sets the normals of coats that have their own.
+STAGE void tilt_coat_lanes(const PRIVATE Surfaces* RESTRICT surfaces, PRIVATE Closures* RESTRICT closures) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Closure c = load_closure(closures, j);
+      const Surface s = load_surface(surfaces, j);
+      const vec3 there = to_family_frame(ANISOTROPIC, s.shading, family_axis(ANISOTROPIC, c, s), s.coat);
+      // The base's own stays itself, without rounding.
+      const bool same = max_component(abs3(sub(s.coat, s.shading))) == 0.0f;
+      STORE_LANE_vec3(closures->coat_normal, j, select3(same, make_vec3(0.0f, 0.0f, 1.0f), there));
+    }
+}
+
 /// Resolves the closures of the surfaces' materials. Fields that none of their families uses become 0; those
 /// that no material of the scene uses are unchanged.
 FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* surfaces,
@@ -120,25 +152,7 @@ FN void resolve_closures(const PRIVATE Scene* scene, const PRIVATE Surfaces* sur
   }
 #undef TEXTURE_IF_USED
   if (HAS_FAMILY(HAIR) && (families & ONLY(HAIR)) != 0u) offset_hair_lanes(surfaces->v, closures->offset);
-}
-
-/// The x axis of the frame in which a family with these `properties` (a constant) is evaluated; 0 if any axis
-/// will do. The frame of an isotropic closure does not follow the tangent, so that images do not depend on
-/// whether the tangent is known.
-FN vec3 family_axis(int properties, Closure c, Surface s) {
-  const vec3 none = make_vec3(0.0f, 0.0f, 0.0f);
-  const vec3 tangent = select3(is_anisotropic(c), s.tangent, none);
-  return (properties & ANISOTROPIC) != 0 ? tangent_axis(s.shading, tangent) : none;
-}
-FN vec3 to_family_frame(int properties, vec3 n, vec3 axis, vec3 v) {
-  if ((properties & FREE) != 0) return v;
-  if ((properties & ANISOTROPIC) == 0) return to_frame(n, v);
-  return make_vec3(dot3(axis, v), dot3(cross3(n, axis), v), dot3(n, v));
-}
-FN vec3 from_family_frame(int properties, vec3 n, vec3 axis, vec3 v) {
-  if ((properties & FREE) != 0) return v;
-  if ((properties & ANISOTROPIC) == 0) return from_frame(n, v.x, v.y, v.z);
-  return add_scaled(add_scaled(scale(axis, v.x), v.y, cross3(n, axis)), v.z, n);
+  if (NEEDS(scene, COAT_NORMALS) && (families & OPENPBRS_LAYERED) != 0u) tilt_coat_lanes(surfaces, closures);
 }
 
 #define EVAL_FAMILY(LOOP, name, number, properties)                                                     \

@@ -108,8 +108,9 @@ enum { FAMILY_BLACK, OWN_BSDF_FAMILIES(ENUMERATE_FAMILY) };
   F(a, float, diffuse_rate)                                                        \
   F(a, float, clearcoat_rate)                                                      \
   F(a, float, diff_trans_rate)                                                     \
-  F(a, float, tilt)   /* hair: of its scales, in turns */                          \
-  F(a, float, offset) /* hair: across the fibre, in [-1, 1], see bsdf.h */         \
+  F(a, float, tilt)       /* hair: of its scales, in turns */                      \
+  F(a, float, offset)     /* hair: across the fibre, in [-1, 1], see bsdf.h */     \
+  F(a, vec3, coat_normal) /* OpenPBR: of its coat, in its frame, see bsdf.h */     \
   TEXTURED_FIELDS(F, a)
 #define CLOSURE_FIELDS(F, a)       \
   F(a, int, family) /* FAMILY_* */ \
@@ -156,6 +157,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define OPENPBR_TINT_FADES 16   // towards white at grazing angles, as in glTF
 #define OPENPBR_WALKS 32        // what scatters below goes into the medium inside, see interiors.h
 #define OPENPBR_GLTF 64         // parameters have glTF's meaning, see openpbr.h
+#define OPENPBR_OWN_COAT 128    // the coat has a normal of its own
 #define OPENPBR_BASE 0
 #define OPENPBR_PLAIN_SETS 1
 #define OPENPBR_SCATTERED 1
@@ -226,6 +228,7 @@ enum { TEXTURED_FIELDS(ENUMERATE_TEXTURED, ) TEXTURED_FIELD_COUNT };
 #define USERS_diff_trans_rate USERS(ONLY(PRINCIPLEDTHIN) | OPENPBRS_LAYERED)
 #define USERS_tilt USERS(ONLY(HAIR))
 #define USERS_offset USERS(ONLY(HAIR))
+#define USERS_coat_normal USERS(OPENPBRS_LAYERED)
 #define USERS_diffuse                                                                                     \
   USERS(ONLY(DIFFUSE) | ONLY(ROUGHDIFFUSE) | ONLY(DIFFTRANS) | ONLY(PHONG) | DIFFUSE_AND_LOBE | DISNEYS | \
         OPENPBRS | ONLY(HAIR))
@@ -306,6 +309,16 @@ FN bool lets_light_through(Closure c) {
   const float amount = c.spec_trans + (solid ? 0.0f : c.diff_trans);
   return is_among(c, families_with(TRANSMITS)) & (!by_amount | (amount > 0.0f));
 }
+
+/// Whether a coat with a normal of its own also reflects light from below the horizon of the base. If the
+/// base does not end the light from there, it does not: the base's normal decides what goes inside.
+FN bool has_open_coat(Closure c) {
+  const bool own = (c.variant & (OPENPBR_OWN_COAT | OPENPBR_WALKS)) == OPENPBR_OWN_COAT;
+  return is_among(c, OPENPBRS_LAYERED) & own & !lets_light_through(c);
+}
+
+/// Whether light from below the horizon of the shading normal matters.
+FN bool is_lit_all_around(Closure c) { return lets_light_through(c) | has_open_coat(c); }
 
 FN bool has_closed_form(Closure c) { return is_among(c, families_with(CLOSED_FORM)); }
 

@@ -9,6 +9,9 @@
 // microfacets. Of the light below these, their further reflections have the share that makes up for the lost
 // ones. Transmission and the reflection of what transmits are divided by what a single scattering leaves.
 //
+// With OPENPBR_OWN_COAT the coat's microfacets, its albedo and the ways through it are those about its own
+// normal, for wo and wi. Fuzz and what is below the coat have the normal of the base. See has_open_coat.
+//
 // What the film reflects of a channel replaces Fresnel's reflectance on its share `film` of the dielectric;
 // what it adds to a metal of such a reflectance along the normal is added to F82. See thin_film.h.
 //
@@ -197,9 +200,11 @@ typedef struct {
   vec3 metal_again;  // of what a metal's microfacets do not reflect at once
   // Of layered ones.
   bool inside, thin;
-  float opaque;                    // share of the dielectric
-  vec3 glass;                      // that of what transmits, times what its single scattering lacks
-  float coat, fuzz;                // weights
+  float opaque;               // share of the dielectric
+  vec3 glass;                 // that of what transmits, times what its single scattering lacks
+  float coat, fuzz;           // weights
+  vec3 coat_normal, coat_wo;  // wo in a frame about that
+  bool open_coat;
   Ltc fuzz_ltc;                    // but with OPENPBR_GLTF
   float fuzz_reflects;             // its albedo for wo
   vec3 sub_reflected, sub_passed;  // of the opaque base's light: colours of what subsurface scatters
@@ -402,6 +407,9 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
   p.above_coat = 1.0f;
   p.below = white;
   p.coat_facets = p.facets;
+  p.coat_normal = make_vec3(0.0f, 0.0f, 1.0f);
+  p.coat_wo = wo;
+  p.open_coat = false;
   p.fuzz_ltc = fuzz_ltc(1.0f, 0.0f);
   p.fuzz_reflects = 0.0f;
 
@@ -450,8 +458,13 @@ FN OpenPbr openpbr_of(const PRIVATE Scene* scene, Closure c, bool layered, bool 
     const CurveRows coat_rows = facet_rows(c, sets, OPENPBR_COAT, facet_place(p.coat_facets.alpha_u));
     const CurveRows fuzz_rows =
         facet_rows(c, sets, OPENPBR_FUZZ, facet_place(sqr(max_f(c.sheen_tint, LEAST_FUZZ_ROUGHNESS))));
-    p.coat = p.inside ? 0.0f : c.clearcoat;
-    const float coat_reflects = facet_curve(scene, coat_rows, at);
+    if (HAS(COAT_NORMALS)) {
+      p.coat_normal = select3((c.variant & OPENPBR_OWN_COAT) != 0, c.coat_normal, p.coat_normal);
+      p.coat_wo = to_frame(p.coat_normal, wo);
+      p.open_coat = has_open_coat(c) & !p.inside;
+    }
+    p.coat = (p.inside | !(p.coat_wo.z > 0.0f)) ? 0.0f : c.clearcoat;
+    const float coat_reflects = facet_curve(scene, coat_rows, curve_place(p.coat_wo.z));
     const CurveRows narrow_rows = rows_further(c, sets, fuzz_rows, OPENPBR_FUZZ_NARROW - OPENPBR_FUZZ),
                     lean_rows = rows_further(c, sets, fuzz_rows, OPENPBR_FUZZ_LEAN - OPENPBR_FUZZ);
     p.fuzz_ltc = fuzz_ltc(facet_curve(scene, narrow_rows, at), facet_curve(scene, lean_rows, at));
@@ -570,14 +583,17 @@ FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPb
   f_cos = add_scaled(f_cos, p.dielectric * p.opaque * behind, passed_below(p, p.sub_passed));
   // The coat absorbs by the lengths of the ways through it, of which coat_colour has two along the normal.
   // What goes into the medium is absorbed on the way out as if it came back with the cosine of its way in.
-  const float way_o = 1.0f / max_f(dielectric_fresnel(wo.z, c.clearcoat_rate).cosine, 1e-3f);
-  const float way_i = 1.0f / max_f(dielectric_fresnel(above.z, c.clearcoat_rate).cosine, 1e-3f);
+  const float coat_o = max_f(p.coat_wo.z, 0.0f), coat_i = max_f(dot3(p.coat_normal, above), 0.0f);
+  const float way_o = 1.0f / max_f(dielectric_fresnel(coat_o, c.clearcoat_rate).cosine, 1e-3f);
+  const float way_i = 1.0f / max_f(dielectric_fresnel(coat_i, c.clearcoat_rate).cosine, 1e-3f);
   const vec3 absorbed = transmittance_power3(c.eta, 0.5f * (way_o + ((through & !into) ? 0.0f : way_i)));
   f_cos = mul(f_cos, mul(p.below, mix3(uniform_vec3(1.0f), absorbed, p.coat)));
 
-  const MicrofacetReflection coat = microfacet_reflection(p.coat_facets, wo, above);
+  const vec3 coat_wi = HAS(COAT_NORMALS) ? to_frame(p.coat_normal, wi) : above;
+  const bool coated = there & (p.coat > 0.0f) & (coat_wi.z > 0.0f) & (p.open_coat | !through);
+  const MicrofacetReflection coat = microfacet_reflection(p.coat_facets, p.coat_wo, coat_wi);
   const float coat_fresnel = dielectric_fresnel(max_f(coat.cosine, 0.0f), c.clearcoat_rate).reflectance;
-  const float on_top = outer ? p.above_coat * p.coat * coat_fresnel * coat.f_cos : 0.0f;
+  const float on_top = coated ? p.above_coat * p.coat * coat_fresnel * coat.f_cos : 0.0f;
   const vec3 half_way = add(wo, above);
   const float cos_h = half_way.z / SQRT(max_f(dot3(half_way, half_way), 1e-30f));
   const bool gltf = (c.variant & OPENPBR_GLTF) != 0;
@@ -586,7 +602,8 @@ FN BsdfValue openpbr_layered_value(const PRIVATE Scene* scene, Closure c, OpenPb
   const float fuzz = outer ? p.fuzz * (gltf ? of_gltf : p.fuzz_reflects * of_lobe) : 0.0f;
   f_cos = add_scaled(add(f_cos, uniform_vec3(on_top)), fuzz, c.k);
   pdf += p.share_sub * behind;
-  pdf += p.share_diffuse * lambert + (outer ? p.share_coat * coat.pdf + p.share_fuzz * fuzz_density : 0.0f);
+  const float coat_pdf = coated ? p.share_coat * coat.pdf : 0.0f;
+  pdf += p.share_diffuse * lambert + (coat_pdf + (outer ? p.share_fuzz * fuzz_density : 0.0f));
   BsdfValue value;
   value.f_cos = f_cos;
   value.pdf = pdf;
@@ -623,14 +640,18 @@ FN BsdfSample sample_openpbr_layers(const PRIVATE Scene* scene, Closure c, bool 
   Microfacets chosen = p.facets;
   chosen.alpha_u = is_coat ? p.coat_facets.alpha_u : p.facets.alpha_u;
   chosen.alpha_v = is_coat ? p.coat_facets.alpha_v : p.facets.alpha_v;
-  const vec3 facet = sample_microfacet(chosen, wo, u, v);
-  const float cosine = max_f(dot3(wo, facet), 0.0f);
+  // The coat's facets are in its own frame.
+  const vec3 seen = select3(is_coat, p.coat_wo, wo), facet = sample_microfacet(chosen, seen, u, v);
+  const float cosine = max_f(dot3(seen, facet), 0.0f);
   const DielectricFresnel boundary = dielectric_fresnel(cosine, c.ior);
   const vec3 reflectances = base_reflectances(scene, c, p, film, cosine, boundary.reflectance);
   const float reflects =
       chance_of_reflection(c, p, film, select3(p.thin, reflectances_of_two(reflectances), reflectances));
   const bool transmits = is_base & (choice < up_to_coat + p.share_facets * (p.transmits * (1.0f - reflects)));
-  const vec3 mirrored = mirror_about(wo, facet);
+  vec3 mirrored = mirror_about(seen, facet);
+  const bool leaves_coat = !is_coat | (mirrored.z > 0.0f);
+  if (HAS(COAT_NORMALS))
+    mirrored = select3(is_coat, from_frame(p.coat_normal, mirrored.x, mirrored.y, mirrored.z), mirrored);
   const vec3 passed = select3(p.thin, make_vec3(mirrored.x, mirrored.y, -mirrored.z),
                               refract_about(wo, facet, cosine, boundary.cosine, c.ior));
   const vec3 evenly = cosine_hemisphere(u, v);
@@ -645,7 +666,8 @@ FN BsdfSample sample_openpbr_layers(const PRIVATE Scene* scene, Closure c, bool 
   const bool into = is_sub & !p.thin;
   const BsdfValue value = openpbr_layered_value(scene, c, p, film, wo, s.wi, into);
   // A facet may scatter to the wrong side of the surface.
-  s.pdf = (transmits | is_sub) == (s.wi.z < 0.0f) ? value.pdf : 0.0f;
+  const bool right_side = (transmits | is_sub) == (s.wi.z < 0.0f);
+  s.pdf = ((right_side | (is_coat & p.open_coat)) & leaves_coat) ? value.pdf : 0.0f;
   s.weight = scale(value.f_cos, s.pdf > 0.0f ? 1.0f / s.pdf : 0.0f);
   s.pdf = (into & (s.pdf > 0.0f)) ? DELTA_PDF : s.pdf;
   return s;

@@ -312,7 +312,8 @@ class Checker : public RecordCheck {
                                                        : leaves_of(m.first) + leaves_of(m.second)),
               "a material with a wrong number of leaves that let rays pass");
       require(m.weight >= 0.0f && m.weight <= 1.0f, "a material's weight is not in [0, 1]");
-      require(in(m.bend, BEND_NONE, BEND_BUMP_MAP), "a normal is bent in an unknown way");
+      require(in(m.bend, BEND_NONE, BEND_BUMP_MAP) && in(m.coat_bend, BEND_NONE, BEND_BUMP_MAP),
+              "a normal is bent in an unknown way");
       require(in(m.turn, -1, 1) && std::isfinite(m.turn_cosine) && std::isfinite(m.turn_sine),
               "a tangent is turned in an unknown way");
       require(m.pane == 0.0f || (m.pane > 0.0f && std::isfinite(m.pane) && has(FEATURE_PANES) &&
@@ -327,6 +328,11 @@ class Checker : public RecordCheck {
               "materials that hold others without their feature bit");
       require(m.bend == BEND_NONE || (has(FEATURE_BENT) && has(FEATURE_TEXTURES) && has(FEATURE_UV)),
               "bent normals without their feature bits");
+      require(m.coat_bend == BEND_NONE || (has(FEATURE_COAT_NORMALS) && has(FEATURE_TEXTURES)),
+              "normals of a coat without their feature bits");
+      const bool own_coat = (OPENPBRS_LAYERED >> m.family & 1u) != 0u && (m.variant & OPENPBR_OWN_COAT) != 0;
+      require(!own_coat || (has(FEATURE_COAT_NORMALS) && has(FEATURE_BENT) && has(FEATURE_UV)),
+              "a coat's own normal without its feature bits");
     }
   }
 

@@ -48,6 +48,18 @@ STAGE void load_kept_uvs(const PRIVATE PathState* paths, int i, PRIVATE Surfaces
       store_surface_uv(surfaces, j, with_kept_uv(paths, i + j, load_surface(surfaces, j)));
 }
 
+STAGE void keep_coats(const PRIVATE PathState* paths, int i, const PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) set_surface_coat(paths, i + j, LOAD_LANE_vec3(surfaces->coat, j));
+}
+STAGE void load_kept_coats(const PRIVATE PathState* paths, int i, PRIVATE Surfaces* RESTRICT surfaces) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const vec3 coat = get_surface_coat(paths, i + j);
+      STORE_LANE_vec3(surfaces->coat, j, coat);
+    }
+}
+
 /// Step 0 keeps the surfaces that camera rays hit, if there is another step; later steps load them.
 FN void use_first_surfaces(const PRIVATE Scene* scene, int k, bool is_last, const PRIVATE PathState* paths,
                            int i, PRIVATE Surfaces* surfaces) {
@@ -55,6 +67,8 @@ FN void use_first_surfaces(const PRIVATE Scene* scene, int k, bool is_last, cons
   if (k > 0) load_kept_surfaces(paths, i, surfaces);
   if (NEEDS(scene, UV) && k == 0 && !is_last) keep_uvs(paths, i, surfaces);
   if (NEEDS(scene, UV) && k > 0) load_kept_uvs(paths, i, surfaces);
+  if (NEEDS(scene, COAT_NORMALS) && k == 0 && !is_last) keep_coats(paths, i, surfaces);
+  if (NEEDS(scene, COAT_NORMALS) && k > 0) load_kept_coats(paths, i, surfaces);
   if (NEEDS(scene, INSTANCES)) keep_at_instances(paths, i, k, surfaces);
 }
 

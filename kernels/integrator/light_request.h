@@ -100,11 +100,11 @@ STAGE void unshadowed_lanes(const PRIVATE Scene* scene, LightRequest request,
 }
 
 // Solid angles are projected for one side of a surface. Points on lights are sampled otherwise for closures
-// that transmit light.
+// that are lit all around.
 
-/// The normal for projected solid angles; 0 for closures that transmit light: they have no such pdf.
+/// The normal for projected solid angles; 0 for closures that are lit all around: they have no such pdf.
 FN vec3 projected_about(vec3 normal, Closure c) {
-  return select3(lets_light_through(c), make_vec3(0.0f, 0.0f, 0.0f), normal);
+  return select3(is_lit_all_around(c), make_vec3(0.0f, 0.0f, 0.0f), normal);
 }
 
 /// The lights that lanes sample by projected solid angle: those that `chosen` names, or that are chosen by
@@ -134,7 +134,7 @@ STAGE void project_by_power(const PRIVATE Scene* scene, const PRIVATE Surfaces* 
       const int index = parts->lights[j];
       const Light light = placed_part(scene, parts, j);
       const double e = light_irradiance(light, r.p.x, r.p.y, r.p.z, r.shading.x, r.shading.y, r.shading.z);
-      const bool none = is_own_light(scene, r, index) | lets_light_through(load_closure(closures, j));
+      const bool none = is_own_light(scene, r, index) | is_lit_all_around(load_closure(closures, j));
       projected[j] = (!by_tree & (chosen[j] >= 0)) ? projected[j] : (none ? 0.0 : e);
     }
 }
@@ -280,13 +280,13 @@ FN void project_from_surfaces(const PRIVATE Scene* scene, ulong families, const 
   project_at_surfaces(scene, surfaces, closures, &controls, found);
 }
 
-/// What the choice of lights depends on: position and normal. The normal is 0 for closures that transmit
-/// light, since both sides receive light.
+/// What the choice of lights depends on: position and normal. The normal is 0 for closures that are lit all
+/// around.
 STAGE void find_lit_places(const PRIVATE Surfaces* RESTRICT surfaces,
                            const PRIVATE Closures* RESTRICT closures, PRIVATE LitPlaces* RESTRICT places) {
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
-      const bool all_around = lets_light_through(load_closure(closures, j));
+      const bool all_around = is_lit_all_around(load_closure(closures, j));
       const vec3 facing = LOAD_LANE_vec3(surfaces->shading, j);
       LitPlace place;
       place.p = LOAD_LANE_vec3(surfaces->p, j);

@@ -79,11 +79,13 @@ FN bool is_controlled(const PRIVATE Scene* scene, Closure c, bool of_polygon) {
 
 /// Whether no light passes along wi because the normals disagree about its side, see is_beneath. Surfaces
 /// that let light through, the mirrors of panes among them, lose none: their mesh would be darker than the
-/// smooth shape that it stands for.
+/// smooth shape that it stands for. An open coat reflects whatever is above the geometric surface.
 FN bool is_cut_off(const PRIVATE Scene* scene, Surface s, Closure c, vec3 wi) {
   bool through = lets_light_through(c);
   if (NEEDS(scene, PANES)) through = through | (pane_of(scene, s.material) > 0.0f);
-  return is_beneath(s, wi) & !through;
+  bool beneath = is_beneath(s, wi);
+  if (NEEDS(scene, COAT_NORMALS)) beneath = has_open_coat(c) ? !(dot3(s.geometric, wi) > 0.0f) : beneath;
+  return beneath & !through;
 }
 
 /// Requests the shadow ray of lane i's light sample. `arriving` is its contribution if it is unoccluded.

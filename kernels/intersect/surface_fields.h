@@ -33,9 +33,11 @@ PENUMBRA_NAMESPACE_BEGIN
 #define SURFACE_MEDIA_FIELDS(F, a) F(a, float, span)  /* largest absolute value that p was computed from */
 // With FEATURE_MOTION only.
 #define SURFACE_MOTION_FIELDS(F, a) F(a, float, time)  /* at which the path sees it */
+// With FEATURE_COAT_NORMALS only.
+#define SURFACE_COAT_FIELDS(F, a) F(a, vec3, coat)  /* as `shading`, of a coat with a normal of its own */
 #define SURFACE_FIELDS(F, a) \
   SURFACE_HIT_FIELDS(F, a) SURFACE_UV_FIELDS(F, a) SURFACE_INSTANCE_FIELDS(F, a) SURFACE_MEDIA_FIELDS(F, a) \
-  SURFACE_MOTION_FIELDS(F, a)
+  SURFACE_MOTION_FIELDS(F, a) SURFACE_COAT_FIELDS(F, a)
 // clang-format on
 LANE_RECORD(Surface, Surfaces, surface, SURFACE_FIELDS)
 LANE_RECORD_PART(Surface, Surfaces, surface_hit, SURFACE_HIT_FIELDS)
@@ -68,7 +70,7 @@ FN bool is_hit(Surface s) { return s.primitive != NOTHING_HIT; }
 /// Sets the optional fields to their defaults: no texture coordinates, no instance.
 FN Surface without_uv(Surface s) {
   s.u = s.v = s.span = s.time = 0.0f;
-  s.tangent = s.smooth = make_vec3(0.0f, 0.0f, 0.0f);
+  s.tangent = s.smooth = s.coat = make_vec3(0.0f, 0.0f, 0.0f);
   s.hand = 1.0f;
   s.bumps = 0.0f;
   s.instance = -1;

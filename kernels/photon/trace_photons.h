@@ -191,7 +191,7 @@ STAGE void scatter_photons(const PRIVATE Scene* scene, const PRIVATE PathState* 
                            const PRIVATE StepLanes* RESTRICT step) {
   const int max_depth = scene->header.integrator.max_depth, rr_depth = scene->header.integrator.rr_depth;
   const bool caustics = scene->header.integrator.gathering == GATHER_CAUSTICS;
-  const bool bumps = NEEDS(scene, BENT);
+  const bool bumps = NEEDS(scene, BENT), coats = NEEDS(scene, COAT_NORMALS);
   const PathState fields = *paths;  // see step.h
   LANE_LOOP
     for (int j = 0; j < LANES; j++) {
@@ -206,9 +206,11 @@ STAGE void scatter_photons(const PRIVATE Scene* scene, const PRIVATE PathState* 
       const vec3 power = mul(get_throughput(&fields, i + j), weight);
       const Closure c = load_closure(&step->closures, j);
       const bool diffuse = has_diffuse_part(c) & (next.pdf != DELTA_PDF);
+      // Below the base's horizon photon_weight has no meaning.
+      const bool beneath = coats & has_open_coat(c) & is_beneath(s, next.wi);
       // One more edge leads to the next arrival, and at least one to the camera.
       const bool alive = is_hit(s) & (depth + 2 <= max_depth) & !(diffuse & caustics) & (next.pdf > 0.0f) &
-                         (max_component(power) > 0.0f) & !is_cut_off(scene, s, c, next.wi) &
+                         (max_component(power) > 0.0f) & !is_cut_off(scene, s, c, next.wi) & !beneath &
                          (lane_number(step, DIM_ROULETTE, j) < survival);
       set_next_ray(&fields, i + j, s, next, scale(power, 1.0f / (alive ? survival : 1.0f)), alive);
       set_chain(&fields, i + j, next_chain(get_chain(&fields, i + j), diffuse));

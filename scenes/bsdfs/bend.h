@@ -21,11 +21,15 @@ struct SurfaceBend {
   friend bool operator==(const SurfaceBend&, const SurfaceBend&) = default;
 };
 
+/// Which layers of surfaces a map bends. Only OpenPBR's coats have normals of their own.
+enum class BentLayers { kAll, kBase, kCoat };
+
 /// Parameters that the plugins of normal maps and bump maps share, beside the nested texture and BSDF.
 template <typename Parameters>
 struct BendParameters {
   bool flip_invalid_normals = true;
   bool use_shadowing_function = true;
+  BentLayers layers = BentLayers::kAll;
 
   template <typename Row>
   static void parameters(const Row& row) {
@@ -33,6 +37,10 @@ struct BendParameters {
         "true: normals that face away lean the other way (false is read as true, with a warning)");
     row("use_shadowing_function", &Parameters::use_shadowing_function, TrueOrFalse{},
         "whether bumps shade each other (Estevez et al. 2019)");
+    row("layers", &Parameters::layers,
+        OneOf<BentLayers>{
+            {{"all", BentLayers::kAll}, {"base", BentLayers::kBase}, {"coat", BentLayers::kCoat}}},
+        "which layers of an openpbr it bends; a coat that none bends stays smooth over a bent base");
   }
 };
 struct NormalMapParameters : BendParameters<NormalMapParameters> {
@@ -88,6 +96,16 @@ inline void set_bend(Material& m, const SurfaceBend& bend) {
   m.bend_scale = bend.scale;
   m.bend_step = kBendStep;
   m.bend_shadows = bends && bend.shadows ? 1 : 0;
+}
+
+/// `coat`: the bend of the material's coat, which differs from that of its base.
+inline void set_coat_bend(Material& m, const SurfaceBend& coat) {
+  const bool bends = coat.kind != BendKind::kNone && coat.texture != kNoTexture;
+  m.variant |= OPENPBR_OWN_COAT;
+  m.coat_bend = bends ? int(coat.kind) : BEND_NONE;
+  m.coat_bend_texture = bends ? coat.texture : kNoTexture;
+  m.coat_bend_scale = coat.scale;
+  m.coat_bend_step = kBendStep;
 }
 
 inline void set_turn(Material& m, const SurfaceTurn& turn) {

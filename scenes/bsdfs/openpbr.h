@@ -276,6 +276,7 @@ inline Material material_of(const OpenPbrBsdf& surface, MaterialTables& tables) 
     m.diff_trans_rate = surface.thin_walled ? (1.0f + surface.subsurface_anisotropy) / 2.0f : 0.0f;
     m.clearcoat_rate = surface.coat_ior;
     m.diffuse_rate = surface.coat_darkening;
+    m.coat_normal = make_vec3(0.0f, 0.0f, 1.0f);
     PENUMBRA_SET_FIELD(m, sheen, surface.fuzz_weight);
     PENUMBRA_SET_FIELD(m, sheen_tint, surface.fuzz_roughness);
     PENUMBRA_SET_FIELD(m, k, surface.fuzz_color);

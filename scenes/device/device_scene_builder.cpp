@@ -202,16 +202,19 @@ class SceneBuilder {
             fmt::format("{}: rays may pass more than {} BSDFs within it", bsdf.name, MOST_PASSING_LEAVES));
       if (m.branches == 0 && m.passes != PASSES_ALL) h_.families |= std::uint64_t{1} << m.family;
       if (m.branches != 0 || m.passes != PASSES_NONE) need(FEATURE_NESTED);
-      uses_tangents_ = uses_tangents_ || m.bend == BEND_NORMAL_MAP || is_anisotropic(closure_of(m));
+      uses_tangents_ = uses_tangents_ || m.bend == BEND_NORMAL_MAP || m.coat_bend == BEND_NORMAL_MAP ||
+                       is_anisotropic(closure_of(m));
       if (m.bend != BEND_NONE) {
         need(FEATURE_BENT);
         m.bend_step = bend_step(scene_, m.bend_texture);
       }
+      if (has_own_coat(m)) need(FEATURE_COAT_NORMALS | FEATURE_BENT | FEATURE_UV);
+      if (m.coat_bend != BEND_NONE) m.coat_bend_step = bend_step(scene_, m.coat_bend_texture);
       if (is_anisotropic(closure_of(m))) need(m.turn != 0 ? FEATURE_UV | FEATURE_BENT : FEATURE_UV);
       if (disperses(m)) need(FEATURE_DISPERSION);
       h_.textured |= textured_fields(m);
       textures = textures || m.weight_texture != kNoTexture || m.bend_texture != kNoTexture ||
-                 m.turn_texture != kNoTexture;
+                 m.coat_bend_texture != kNoTexture || m.turn_texture != kNoTexture;
       records_.materials.push_back(m);
     }
     tables.compute();

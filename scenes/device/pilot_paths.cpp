@@ -193,7 +193,7 @@ class PilotPaths {
       if (is_among(closure, families_with(DELTA))) {
         toward = sub(scale(s.shading, 2 * dot3(s.shading, s.wo)), s.wo);
       } else {
-        const bool all_around = lets_light_through(closure);
+        const bool all_around = is_lit_all_around(closure);
         visited(s, all_around, weight);
         weight *= kLaterWeight;
         ++bounce;

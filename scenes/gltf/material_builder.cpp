@@ -180,10 +180,6 @@ SurfaceMaterial MaterialBuilder::metal_rough(const tinygltf::Material& material,
     surface.clearcoat_roughness =
         number(number_of(coat, "clearcoatRoughnessFactor", 0.0),
                extension_use(*coat, "clearcoatRoughnessTexture", index), BitmapChannels::kGreen);
-    if (surface.clearcoat.value > 0.0f &&
-        (coat->Has("clearcoatNormalTexture") || material.normalTexture.index >= 0))
-      report_.warn_counted(place(index, "extensions"),
-                           "KHR_materials_clearcoat: the coat has the normals of the surface below it");
   }
   return layers(material, index, surface, where);
 }
@@ -363,23 +359,40 @@ void MaterialBuilder::add_emission(const tinygltf::Material& material, std::size
     result.radiance.reset();
 }
 
+void MaterialBuilder::add_normals(const tinygltf::Material& material, std::size_t index,
+                                  const MaterialUse& where, SurfaceMaterial& surface) {
+  if (surface.front == nullptr) return;
+  const auto* layers = std::get_if<OpenPbrBsdf>(&surface.front->bsdf.model);
+  const bool coated = layers != nullptr && layers->coated();
+  const auto bend = [&](const std::optional<int>& normals, BentLayers which) {
+    // Its bumps do not shade each other: glTF's BSDF has the bent normal instead of the other.
+    if (normals)
+      surface = bent(surface, {.kind = BendKind::kNormalMap, .texture = *normals, .shadows = false}, which);
+  };
+  const auto& bump = material.normalTexture;
+  if (bump.index >= 0) {
+    tinygltf::TextureInfo info;
+    info.index = bump.index;
+    info.texCoord = bump.texCoord;
+    info.extensions = bump.extensions;
+    bend(textures_.normals(use(info, index, "normalTexture"), bump.scale, where.mirrored),
+         coated ? BentLayers::kBase : BentLayers::kAll);
+  }
+  const auto* coat = extension_of(material, "KHR_materials_clearcoat");
+  if (!coated || coat == nullptr) return;
+  const TextureUse of_coat = extension_use(*coat, "clearcoatNormalTexture", index);
+  if (of_coat.there())
+    bend(textures_.normals(of_coat, number_of(&coat->Get("clearcoatNormalTexture"), "scale", 1.0),
+                           where.mirrored),
+         BentLayers::kCoat);
+}
+
 SurfaceOfMaterial MaterialBuilder::build(const tinygltf::Material& material, std::size_t index,
                                          const MaterialUse& where) {
   texcoord_ = -1;
   SurfaceOfMaterial result;
   SurfaceMaterial surface = lit_part(material, index, where);
-  const auto& bump = material.normalTexture;
-  if (bump.index >= 0 && surface.front != nullptr) {
-    tinygltf::TextureInfo info;
-    info.index = bump.index;
-    info.texCoord = bump.texCoord;
-    info.extensions = bump.extensions;
-    if (const auto normals =
-            textures_.normals(use(info, index, "normalTexture"), bump.scale, where.mirrored)) {
-      // Its bumps do not shade each other: glTF's BSDF has the bent normal instead of the other.
-      surface = bent(surface, {.kind = BendKind::kNormalMap, .texture = *normals, .shadows = false});
-    }
-  }
+  add_normals(material, index, where, surface);
   result.has_tangents = is_bent(surface.front) || is_turned(surface.front);
   if (material.occlusionTexture.index >= 0)
     report_.warn_counted(place(index, "occlusionTexture"),

@@ -61,6 +61,9 @@ class MaterialBuilder {
                              bool mirrored);
   void add_diffuse_transmission(const tinygltf::Material& material, std::size_t index, OpenPbrBsdf& surface);
   SurfaceMaterial lit_part(const tinygltf::Material& material, std::size_t index, const MaterialUse& where);
+  /// Bends the normals of the surface and of its coat by their textures.
+  void add_normals(const tinygltf::Material& material, std::size_t index, const MaterialUse& where,
+                   SurfaceMaterial& surface);
   /// How much of the surface there is (alphaMode). Nothing: all of it.
   std::optional<TexturedNumber> coverage(const tinygltf::Material& material, const Base& base);
   void add_emission(const tinygltf::Material& material, std::size_t index, const Base& base, bool coloured,

@@ -348,6 +348,7 @@ SurfaceMaterial MaterialReader::read_bent(PluginReader& plugin, Parameters param
     plugin.warn("normals that face away from the viewer lean the other way all the same");
   bend.shadows = parameters.use_shadowing_function;
   if constexpr (requires { parameters.scale; }) bend.scale = parameters.scale;
+  const BentLayers layers = parameters.layers;
   const std::vector<const Object*> textures = plugin.nested("texture");
   const auto inside = read_nested(plugin, 1);
   if (textures.size() != 1) {
@@ -356,12 +357,22 @@ SurfaceMaterial MaterialReader::read_bent(PluginReader& plugin, Parameters param
   }
   const std::optional<int> texture = context_.textures->read(*textures[0]);
   if (inside.empty() || !texture) return {};
-  if (is_bent(inside[0]->front) || is_bent(inside[0]->back)) {
-    plugin.wrong(fmt::format("{} cannot hold another normalmap or bumpmap", plugin.title()));
+  const auto again = [&](const MaterialTree& tree) {
+    return (layers != BentLayers::kCoat && is_base_bent(tree)) ||
+           (layers != BentLayers::kBase && is_coat_bent(tree));
+  };
+  if (again(inside[0]->front) || again(inside[0]->back)) {
+    plugin.wrong(fmt::format("{} cannot hold another normalmap or bumpmap{}", plugin.title(),
+                             layers == BentLayers::kAll ? "" : " of the same layer"));
+    return {};
+  }
+  if (layers == BentLayers::kCoat && !has_openpbr(inside[0]->front)) {
+    plugin.wrong(
+        fmt::format("{} holds no openpbr: others have no coat with normals of its own", plugin.title()));
     return {};
   }
   bend.texture = *texture;
-  return bent(*inside[0], bend);
+  return bent(*inside[0], bend, layers);
 }
 
 SurfaceMaterial MaterialReader::read_normal_map(PluginReader& plugin) {

@@ -528,13 +528,14 @@ class SceneWriter {
       return xml_.close();
     }
     const Bsdf *ahead = bsdf_at(front), *behind = bsdf_at(back);
-    if (ahead != nullptr && behind != nullptr && front != back && ahead->bend.kind != BendKind::kNone) {
-      SurfaceBend turned = ahead->bend;
-      turned.scale = -turned.scale;
-      if (behind->bend == turned) {
-        open_bend(ahead->bend, attributes);
+    if (ahead != nullptr && behind != nullptr && front != back) {
+      std::vector<LayerBend> turned = bends_of(*ahead);
+      for (LayerBend& each : turned) each.bend.scale = -each.bend.scale;
+      if (!turned.empty() && bends_of(*behind) == turned) {
+        open_bends(*ahead, attributes);
         put_sides(front, back, "", false);
-        return xml_.close();
+        for (std::size_t i = 0; i < turned.size(); ++i) xml_.close();
+        return;
       }
     }
     put_sides(front, back, attributes, true);
@@ -576,10 +577,30 @@ class SceneWriter {
     return true;
   }
 
-  void open_bend(const SurfaceBend& bend, const std::string& attributes) {
+  struct LayerBend {
+    SurfaceBend bend;
+    BentLayers layers;
+    friend bool operator==(const LayerBend&, const LayerBend&) = default;
+  };
+  /// The outer one first.
+  static std::vector<LayerBend> bends_of(const Bsdf& bsdf) {
+    std::vector<LayerBend> bends;
+    const BentLayers rest = bsdf.coat_bend ? BentLayers::kBase : BentLayers::kAll;
+    if (bsdf.coat_bend && bsdf.coat_bend->kind != BendKind::kNone)
+      bends.push_back({*bsdf.coat_bend, BentLayers::kCoat});
+    if (bsdf.bend.kind != BendKind::kNone) bends.push_back({bsdf.bend, rest});
+    return bends;
+  }
+  void open_bends(const Bsdf& bsdf, std::string attributes) {
+    for (const LayerBend& each : bends_of(bsdf))
+      open_bend(each.bend, each.layers, std::exchange(attributes, ""));
+  }
+
+  void open_bend(const SurfaceBend& bend, BentLayers layers, const std::string& attributes) {
     const auto open = [&](auto parameters) {
       using Parameters = decltype(parameters);
       parameters.use_shadowing_function = bend.shadows;
+      parameters.layers = layers;
       if constexpr (requires { parameters.scale; }) parameters.scale = bend.scale;
       xml_.open("bsdf", Parameters::kPlugin, attributes);
       put_parameters(xml_, parameters);
@@ -595,11 +616,11 @@ class SceneWriter {
       xml_.value("rgb", "reflectance", "0, 0, 0");
       return xml_.close();
     }
-    const bool bends = bent && bsdf->bend.kind != BendKind::kNone;
-    if (bends) open_bend(bsdf->bend, attributes);
+    const std::size_t bends = bent ? bends_of(*bsdf).size() : 0;
+    if (bends > 0) open_bends(*bsdf, attributes);
     const bool turns = bsdf->turn.turns();
     if (turns) {
-      xml_.open("bsdf", TurnedTangentParameters::kPlugin, bends ? "" : attributes);
+      xml_.open("bsdf", TurnedTangentParameters::kPlugin, bends > 0 ? "" : attributes);
       put_parameters(xml_, TurnedTangentParameters{glm::degrees(bsdf->turn.angle), bsdf->turn.mirrored});
       if (bsdf->turn.texture != kNoTexture) xml_.texture(bsdf->turn.texture, TextureUse::kColour);
     }
@@ -607,13 +628,13 @@ class SceneWriter {
         [&](auto model) {
           using Model = decltype(model);
           if constexpr (std::is_same_v<Model, MeasuredBsdf>) model.filename = relative(model.filename);
-          xml_.open("bsdf", Model::kPlugin, bends || turns ? "" : attributes);
+          xml_.open("bsdf", Model::kPlugin, bends > 0 || turns ? "" : attributes);
           put_parameters(xml_, model);
           xml_.close();
         },
         bsdf->model);
     if (turns) xml_.close();
-    if (bends) xml_.close();
+    for (std::size_t i = 0; i < bends; ++i) xml_.close();
   }
 
   void put_instance(const PlacedGroup& placed) {

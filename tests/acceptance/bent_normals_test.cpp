@@ -2,7 +2,9 @@
 // texture coordinates.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "tests/acceptance/scene_pieces.h"
 #include "tests/support/integrator_parameters.h"
@@ -93,6 +95,85 @@ TEST(BentNormals, NormalsThatLookAwayLeanTheOtherWay) {
   // And light below the surface is discarded.
   set_texture(mapped, {0.7f, 0.5f, 0.2f});
   EXPECT_NEAR(render_or_throw(mapped).layer(2, 2, LAYER_NORMAL, 2), 1, 1e-6);
+}
+
+/// The square with a coat over a base of this colour that reflects nothing else, of which these maps bend
+/// base and coat.
+SceneDescription coated(SurfaceBend base, std::optional<SurfaceBend> coat, float colour = 0,
+                        glm::vec3 normal = {0, 0, 1}, bool behind = false) {
+  SceneDescription scene = square(base, normal, behind);
+  OpenPbrBsdf surface;
+  surface.base_color = TexturedColour(glm::vec3(colour));
+  surface.specular_weight = 0.0f, surface.coat_weight = 1.0f, surface.coat_roughness = 0.5f;
+  scene.bsdfs[0].model = surface;
+  scene.bsdfs[0].coat_bend = coat;
+  return scene;
+}
+
+void expect_same_light(const SceneDescription& a, const SceneDescription& b, double tolerance) {
+  const FilmAccumulator film_a = render_or_throw(a), film_b = render_or_throw(b);
+  double most = 0;
+  for (int y = 0; y < 4; ++y)
+    for (int x = 0; x < 4; ++x) {
+      EXPECT_NEAR(film_a.at(x, y).mean[1], film_b.at(x, y).mean[1], tolerance) << x << ' ' << y;
+      most = std::max(most, film_b.at(x, y).mean[1]);
+    }
+  EXPECT_GT(most, 20 * tolerance) << "there is something to compare";
+}
+
+TEST(CoatNormals, OfTheMapOfTheBaseAreThoseOfTheBase) {
+  const SurfaceBend map{BendKind::kNormalMap, 0};
+  SceneDescription own = coated(map, map, 0.5f), same = coated(map, std::nullopt, 0.5f);
+  own.bsdfs[0].bend.shadows = same.bsdfs[0].bend.shadows = true;
+  for (SceneDescription* scene : {&own, &same}) set_texture(*scene, {0.7f, 0.4f, 0.9f});
+  for (const IntegratorSettings& integrator :
+       {path_integrator(DirectSampling::kMis), direct_integrator(2, 3)}) {
+    own.integrator = same.integrator = integrator;
+    expect_same(own, same);
+  }
+}
+
+// Over a black base only the coat reflects, also light from below the base's horizon: the third normal is at
+// 70 degrees from the surface's, so that the light or the viewer is nearly there.
+TEST(CoatNormals, ASmoothCoatOverABentBlackBaseIsThatOverASmoothOne) {
+  for (const glm::vec3 n :
+       {glm::vec3(0.3f, -0.2f, 0.9f), glm::vec3(-0.5f, 0.4f, 0.7f), glm::vec3(-0.94f, 0, 0.34f)})
+    for (const bool behind : {false, true})
+      for (const IntegratorSettings& integrator :
+           {path_integrator(DirectSampling::kMis), path_integrator(DirectSampling::kBsdfOnly),
+            direct_integrator(2, 3)}) {
+        SceneDescription bent = coated({BendKind::kNormalMap, 0}, SurfaceBend{}, 0, {0, 0, 1}, behind);
+        SceneDescription smooth = coated({}, std::nullopt, 0, {0, 0, 1}, behind);
+        set_texture(bent, 0.5f * (n + 1.0f));
+        bent.integrator = smooth.integrator = integrator;
+        // The same samples, but for roundings, of other frames.
+        expect_same_light(bent, smooth, 2e-3);
+      }
+}
+
+TEST(CoatNormals, ABentCoatOverABlackBaseIsThatOverABentOne) {
+  for (const BendKind kind : {BendKind::kNormalMap, BendKind::kBumpMap}) {
+    SceneDescription coat = coated({}, SurfaceBend{kind, 0, 1}), all = coated({kind, 0, 1}, std::nullopt);
+    for (SceneDescription* scene : {&coat, &all}) {
+      set_texture(*scene, {0.65f, 0.4f, 0.9f});
+      if (kind == BendKind::kBumpMap) {
+        CheckerboardTexture board;
+        board.color0 = glm::vec3(0), board.color1 = glm::vec3(0.2f);
+        scene->textures[0] = {"board", board, glm::dmat3(3)};
+      }
+    }
+    expect_same_light(coat, all, 2e-3);
+  }
+}
+
+TEST(CoatNormals, WithoutACoatChangeNothing) {
+  SceneDescription bent = coated({BendKind::kNormalMap, 0}, SurfaceBend{}, 0.5f);
+  set_texture(bent, {0.7f, 0.4f, 0.9f});
+  std::get<OpenPbrBsdf>(bent.bsdfs[0].model).coat_weight = 0.0f;
+  EXPECT_EQ(build_or_throw(bent).header.features & FEATURE_COAT_NORMALS, 0u);
+  SceneDescription plain = bent;
+  plain.bsdfs[0].coat_bend.reset();
+  expect_same(bent, plain, 1e-7);
 }
 
 /// The square as brushed metal. u grows at `angle` to x.

@@ -265,6 +265,36 @@ void nest(SceneDescription& scene) {
   }
 }
 
+/// Coats with normals of their own: smooth, with a normal map and with bumps, over bases with others.
+void coat(SceneDescription& scene) {
+  CheckerboardTexture leaning, heights;
+  leaning.color0 = glm::vec3(0.7f, 0.45f, 0.9f), leaning.color1 = glm::vec3(0.2f, 0.6f, 0.8f);
+  heights.color0 = glm::vec3(0.0f), heights.color1 = glm::vec3(1.0f);
+  const int first = int(scene.textures.size());
+  scene.textures.push_back({"leaning", leaning, glm::dmat3(5)});
+  scene.textures.push_back({"heights", heights, glm::dmat3(3)});
+  const SurfaceBend map{BendKind::kNormalMap, first}, bumps{BendKind::kBumpMap, first + 1, 0.01f};
+  OpenPbrBsdf surface;
+  surface.base_color = TexturedColour(glm::vec3(0.6f, 0.3f, 0.2f)), surface.base_metalness = 0.5f;
+  surface.coat_weight = 0.8f, surface.coat_roughness = 0.3f;
+  OpenPbrBsdf filmed = surface;
+  filmed.film_weight = 1.0f, filmed.specular_anisotropy = 0.5f;
+  const int start = int(scene.bsdfs.size());
+  scene.bsdfs.push_back({"smooth", surface, map, {}, SurfaceBend{}});
+  scene.bsdfs.push_back({"bumpy", filmed, map, {.angle = 0.5f}, bumps});
+  scene.bsdfs.push_back({"mapped", surface, {}, {}, map});
+  for (std::size_t i = 0; i < scene.shapes.size(); ++i)
+    if (Shape& shape = scene.shapes[i]; !shape.radiance)
+      shape.front_bsdf = shape.back_bsdf = start + int(i % 3);
+}
+
+void coat_directly(SceneDescription& scene) {
+  coat(scene);
+  use(scene.integrator, IntegratorKind::kDirect);
+  param::emitter_samples(scene.integrator) = 2;
+  param::bsdf_samples(scene.integrator) = 3;
+}
+
 void whitted_nested(SceneDescription& scene) {
   nest(scene);
   whitted(scene);
@@ -390,6 +420,8 @@ const std::vector<SuiteScene>& suite_scenes() {
       {"NestedDirect", "cornell-small/cornell-small.xml", false, nest_directly},
       {"NestedControlVariate", "cornell-small/cornell-small.xml", false, nest_with_control_variate},
       {"NestedLookedThrough", "cornell/cornell.xml", false, nest_hidden},
+      {"Coats", "cornell/cornell.xml", false, coat},
+      {"CoatsDirect", "cornell-small/cornell-small.xml", false, coat_directly},
       {"CornellWhitted", "cornell/cornell.xml", false, whitted},
       {"CornellWhittedNested", "cornell/cornell.xml", false, whitted_nested},
       {"CornellWhittedGlass", "cornell/cornell.xml", false, whitted_through_glass},

@@ -329,6 +329,35 @@ TEST_F(GltfTextures, AlphaIsCutOrBlended) {
   EXPECT_NEAR(blend.second, 0.5 * 128 / 255, 1e-6);
 }
 
+TEST_F(GltfTextures, ClearCoatsHaveNormalsOfTheirOwnOrNone) {
+  const auto material = [&](const std::string& normals, const std::string& coat) {
+    const SceneDescription scene = with_material(
+        "{" + normals + R"("extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": )" + coat + "}}}");
+    EXPECT_TRUE(scene.warnings.empty());
+    const Bsdf leaf = scene.bsdfs.at(0), behind = scene.bsdfs.at(1);
+    EXPECT_EQ(leaf.coat_bend.has_value(), behind.coat_bend.has_value());
+    if (leaf.coat_bend && leaf.coat_bend->kind != BendKind::kNone) {
+      EXPECT_EQ(leaf.coat_bend->scale, -behind.coat_bend->scale);
+      EXPECT_NEAR(texel(scene, leaf.coat_bend->texture, 0, 0), 51 / 255., 1e-6);
+      EXPECT_NE(leaf.coat_bend->texture, leaf.bend.texture);
+    }
+    return leaf;
+  };
+  const std::string below = R"("normalTexture": {"index": 0, "scale": 0.5}, )";
+  const Bsdf bare = material(below, "0"), smooth = material(below, "0.5"),
+             both = material(below, R"(1, "clearcoatNormalTexture": {"index": 0})"),
+             alone = material("", R"(1, "clearcoatNormalTexture": {"index": 0})");
+  EXPECT_EQ(bare.bend.kind, BendKind::kNormalMap);
+  EXPECT_FALSE(bare.coat_bend);
+  EXPECT_EQ(smooth.bend.kind, BendKind::kNormalMap);
+  ASSERT_TRUE(smooth.coat_bend && both.coat_bend && alone.coat_bend);
+  EXPECT_EQ(smooth.coat_bend->kind, BendKind::kNone);
+  EXPECT_EQ(both.bend.kind, BendKind::kNormalMap);
+  EXPECT_EQ(both.coat_bend->kind, BendKind::kNormalMap);
+  EXPECT_EQ(alone.bend.kind, BendKind::kNone);
+  EXPECT_EQ(alone.coat_bend->kind, BendKind::kNormalMap);
+}
+
 TEST_F(GltfTextures, NormalsAreLinearAndTheirScaleFlattensThem) {
   const auto normal = [&](std::string_view scale) {
     const SceneDescription scene =

@@ -122,6 +122,38 @@ TEST_F(MitsubaNested, MapsBendLeaves) {
   EXPECT_THAT(bump.warnings, IsEmpty());
 }
 
+TEST_F(MitsubaNested, MapsBendLayersOfOpenPbr) {
+  const auto map = [](const std::string& layers, const std::string& inside, const std::string& scale = "1") {
+    return bsdf("bumpmap",
+                board() + number("scale", scale) + "<string name='layers' value='" + layers + "'/>" + inside);
+  };
+  const std::string coated = bsdf("openpbr", number("coat_weight", "1"));
+  const auto leaf = [&](const std::string& text) { return material(text).bsdfs.at(0); };
+  const SurfaceBend two{BendKind::kBumpMap, 0, 2}, three{BendKind::kBumpMap, 0, 3};
+  const Bsdf base = leaf(map("base", coated, "2")), coat = leaf(map("coat", coated, "2")),
+             all = leaf(map("all", coated, "2"));
+  EXPECT_EQ(base.bend, two);
+  EXPECT_EQ(base.coat_bend, SurfaceBend{}) << "it stays smooth";
+  EXPECT_EQ(coat.bend, SurfaceBend{});
+  EXPECT_EQ(coat.coat_bend, two);
+  EXPECT_EQ(all.bend, two);
+  EXPECT_EQ(all.coat_bend, std::nullopt);
+  for (const Bsdf& both :
+       {leaf(map("coat", map("base", coated, "2"), "3")), leaf(map("base", map("coat", coated, "3"), "2"))}) {
+    EXPECT_EQ(both.bend.scale, 2);
+    ASSERT_TRUE(both.coat_bend);
+    EXPECT_EQ(both.coat_bend->scale, 3);
+  }
+  EXPECT_EQ(leaf(map("base", bsdf("diffuse"))).coat_bend, std::nullopt);
+  EXPECT_THAT(material_error(map("coat", bsdf("diffuse"))), HasSubstr("holds no openpbr"));
+  for (const std::string& inner : {"coat", "all"})
+    EXPECT_THAT(material_error(map("coat", map(inner, coated))),
+                HasSubstr("cannot hold another normalmap or bumpmap of the same layer"));
+  for (const std::string& inner : {"coat", "base", "all"})
+    EXPECT_THAT(material_error(map("all", map(inner, coated))), HasSubstr("cannot hold another"));
+  EXPECT_THAT(material_error(map("base", map("all", coated))), HasSubstr("cannot hold another"));
+}
+
 TEST_F(MitsubaNested, WhatIsWrongIsSaid) {
   const std::string diffuse = bsdf("diffuse");
   EXPECT_THAT(material_error(bsdf("mask")), HasSubstr("bsdf 'mask' holds one bsdf, not 0"));

@@ -95,6 +95,9 @@ TEST_F(MitsubaWriter, BsdfsStayTheSame) {
   const auto in_bsdf = [](const std::string& type, const std::string& inside) {
     return "<bsdf type='" + type + "'>" + inside + "</bsdf>";
   };
+  const std::string coated = in_bsdf("openpbr", "<float name='coat_weight' value='1'/>"),
+                    base = "<string name='layers' value='base'/>",
+                    coat = "<string name='layers' value='coat'/>";
   for (const std::string& bsdf :
        {red,
         in_bsdf("twosided", red),
@@ -127,7 +130,11 @@ TEST_F(MitsubaWriter, BsdfsStayTheSame) {
         in_bsdf("diffuse", "<texture name='reflectance' " + board.substr(9)),
         in_bsdf("bumpmap", board + "<float name='scale' value='0.4'/>" + in_bsdf("twosided", red)),
         in_bsdf("twosided", in_bsdf("normalmap", board + red)),
-        in_bsdf("bumpmap", board + in_bsdf("roughdielectric", ""))})
+        in_bsdf("bumpmap", board + in_bsdf("roughdielectric", "")),
+        in_bsdf("normalmap", board + base + coated),
+        in_bsdf("bumpmap", board + coat + coated),
+        in_bsdf("normalmap", board + coat + in_bsdf("bumpmap", board + base + in_bsdf("twosided", coated))),
+        in_bsdf("twosided", in_bsdf("bumpmap", board + coat + in_bsdf("normalmap", board + base + coated)))})
     expect_same_bsdf(bsdf);
 }
 

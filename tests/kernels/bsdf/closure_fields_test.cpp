@@ -48,6 +48,10 @@ Closure some_closure(int family, RandomNumbers& numbers) {
   if (family == FAMILY_MEASURED) c.anisotropic = float(numbers.below(2));
   if (family == FAMILY_OPENPBR)
     c.variant = c.variant * OPENPBR_WEIGHT_TINTS + some(2, numbers) * OPENPBR_TINT_FADES;
+  if (((OPENPBRS_LAYERED >> family) & 1u) != 0u) {
+    c.variant += some(2, numbers) * OPENPBR_OWN_COAT;
+    c.coat_normal = normalize3(add(c.coat_normal, make_vec3(0, 0, 1)));
+  }
   if (family == FAMILY_HAIR)
     c.variant = int(numbers.below(1 + HAIR_ALONG_V + HAIR_OFFSET_BY_V + HAIR_OF_COLOUR));
   return c;

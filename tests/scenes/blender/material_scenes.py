@@ -125,6 +125,17 @@ def _bent(feed):
     return make
 
 
+def _coated(values, below=None, coat=None):
+    """A Principled BSDF with a coat; each function(material) gives the socket of a normal, or is None."""
+    def make():
+        made, shader, _ = material("material", None, {"Coat Weight": 1.0, **values})
+        for feed, name in ((below, "Normal"), (coat, "Coat Normal")):
+            if feed is not None:
+                link(made, feed(made), shader.inputs[name])
+        return made
+    return make
+
+
 def _brushed(bl_idname, values, **properties):
     """A BSDF with the tangent of the UV map."""
     def make():
@@ -262,6 +273,11 @@ MATERIALS = {
     "checker over the object": _diffuse_of(_procedure("ShaderNodeTexChecker", "Object")),
     "normal map": _bent(_normal_map), "bump": _bent(_bump), "bump of noise": _bent(_bump_of_noise),
     "displacement of noise": _displacement,
+    "smooth coat over a metal with bumps": _coated({"Base Color": _COLOUR, "Metallic": 1.0, "Roughness": 0.3,
+                                                    "Coat Roughness": 0.1}, below=_normal_map),
+    "coat with bumps": _coated({"Base Color": (0.1, 0.05, 0.02), "Coat Roughness": 0.1, "Metallic": 1.0}, coat=_normal_map),
+    "coat and base with bumps of their own": _coated({"Base Color": _COLOUR, "Metallic": 1.0, "Roughness": 0.4},
+                                                     below=_bump, coat=_normal_map),
 }
 if bpy.app.version >= (4, 3, 0):
     MATERIALS["metallic anisotropic"] = _brushed("ShaderNodeBsdfMetallic", {

@@ -219,6 +219,42 @@ class Exports(Materials):
         self.assertEqual(texts[0], texts[1])
         self.assertNotEqual(texts[0], texts[2])
 
+    def test_normals_of_coats(self):
+        """Which layers the maps of base, coat and displacement bend."""
+        def maps(normal, coat, weight=1.0, displaced=False):
+            made, shader, output = material("paint", None, {"Coat Weight": weight})
+            feeds = {}
+            for name, wanted in (("normal", normal), ("coat", coat)):
+                if wanted and wanted not in feeds:
+                    node, image = add_node(made, "ShaderNodeNormalMap"), add_node(made, "ShaderNodeTexImage")
+                    image.image = random_image(len(feeds) + 50)
+                    link(made, image.outputs["Color"], node.inputs["Color"])
+                    feeds[wanted] = node.outputs[0]
+                if wanted:
+                    link(made, feeds[wanted], shader.inputs["Normal" if name == "normal" else "Coat Normal"])
+            if displaced:
+                image, node = add_node(made, "ShaderNodeTexImage"), add_node(made, "ShaderNodeDisplacement")
+                image.image = random_image(60)
+                link(made, image.outputs["Color"], node.inputs["Height"])
+                link(made, node.outputs[0], output.inputs["Displacement"])
+            surface, context = self.export(made, self.plane(made))
+            self.assertNotIn("coat", "\n".join(context.report.lines))
+            found = []
+            for element in surface.bsdf.iter("bsdf"):
+                layers = element.find("string[@name='layers']")
+                if element.get("type") in {"normalmap", "bumpmap"}:
+                    found.append((element.get("type"), "all" if layers is None else layers.get("value")))
+            return found
+
+        self.assertEqual(maps("a", None), [("normalmap", "base")])
+        self.assertEqual(maps("a", None, weight=0.0), [("normalmap", "all")])
+        self.assertEqual(maps(None, "a"), [("normalmap", "coat")])
+        self.assertEqual(maps("a", "b"), [("normalmap", "coat"), ("normalmap", "base")])
+        self.assertEqual(maps("a", "a"), [("normalmap", "all")])
+        self.assertEqual(maps(None, None, displaced=True), [("bumpmap", "all")])
+        self.assertEqual(maps("a", None, displaced=True), [("bumpmap", "coat"), ("normalmap", "base")])
+        self.assertEqual(maps(None, "a", displaced=True), [("normalmap", "coat"), ("bumpmap", "base")])
+
     def test_report_names_object_material_and_node(self):
         made, shader, output = material("paint", "ShaderNodeBsdfDiffuse")
         mixer, path = add_node(made, "ShaderNodeMixShader"), add_node(made, "ShaderNodeLightPath")

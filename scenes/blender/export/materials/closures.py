@@ -10,7 +10,8 @@ from .fields import Field, constant
 class Leaf:
     """One BSDF plugin. parameters: Field, bool, int or str by name. colours: the parameters that multiply all of it.
 
-    transmits: whether it has two sides of its own. bend: a Bend, or None. turn: a Turn, or None.
+    transmits: whether it has two sides of its own. bend: a Bend, or None. turn: a Turn, or None. coat_bend: that of its
+    coat, SMOOTH, or None where it is `bend`.
     remade: function(factor) -> Leaf, the same with `reflectance`, a Field, times the factor; where no parameter multiplies
     all of it.
     """
@@ -22,6 +23,10 @@ class Leaf:
     reflectance: Field | None = None
     remade: object = None
     turn: object = None
+    coat_bend: object = None
+
+
+SMOOTH = "smooth"
 
 
 @dataclass(frozen=True)
@@ -81,11 +86,12 @@ def leaves(bsdf):
 
 
 def bent(bsdf, bend):
-    """The tree with the bend on all leaves that have none."""
+    """The tree with the bend on all leaves, and all coats, that have none."""
     if bend is None or bsdf is None:
         return bsdf
     if isinstance(bsdf, Leaf):
-        return bsdf if bsdf.bend is not None else replace(bsdf, bend=bend)
+        coat = bend if bsdf.coat_bend is SMOOTH else bsdf.coat_bend
+        return replace(bsdf, bend=bend if bsdf.bend is None else bsdf.bend, coat_bend=coat)
     if isinstance(bsdf, Blend):
         return replace(bsdf, first=bent(bsdf.first, bend), second=bent(bsdf.second, bend))
     if isinstance(bsdf, Mask):

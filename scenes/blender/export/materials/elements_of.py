@@ -6,7 +6,7 @@ import math
 import numpy
 
 from ..elements import add_value, plugin
-from .closures import BLACK, Blend, Clear, Leaf, Mask
+from .closures import BLACK, SMOOTH, Blend, Clear, Leaf, Mask
 from .fields import Field
 from .textures import add_texture
 
@@ -62,15 +62,23 @@ def _leaf_element(leaf: Leaf, context):
         sides.append(element)
         element = sides
     if leaf.bend is not None:
-        outer = plugin("bsdf", leaf.bend.plugin)
-        if leaf.bend.plugin == "bumpmap":
-            add_value(outer, "float", "scale", leaf.bend.scale)
-        # Cycles lets bumps shade each other where light is reflected diffusely only.
-        add_value(outer, "boolean", "use_shadowing_function", _is_mostly_diffuse(leaf))
-        add_texture(outer, None, leaf.bend.texture, context, raw=True)
-        outer.append(element)
-        element = outer
+        element = _bent_element(leaf, leaf.bend, "all" if leaf.coat_bend is None else "base", element, context)
+    if leaf.coat_bend is not None and leaf.coat_bend is not SMOOTH:
+        element = _bent_element(leaf, leaf.coat_bend, "coat", element, context)
     return element
+
+
+def _bent_element(leaf, bend, layers, element, context):
+    outer = plugin("bsdf", bend.plugin)
+    if bend.plugin == "bumpmap":
+        add_value(outer, "float", "scale", bend.scale)
+    # Cycles lets bumps shade each other where light is reflected diffusely only.
+    add_value(outer, "boolean", "use_shadowing_function", _is_mostly_diffuse(leaf))
+    if layers != "all":
+        add_value(outer, "string", "layers", layers)
+    add_texture(outer, None, bend.texture, context, raw=True)
+    outer.append(element)
+    return outer
 
 
 def _is_mostly_diffuse(leaf):

@@ -3,10 +3,11 @@
 
 import math
 
-from .closures import Closure, Leaf, Mask
+from .closures import SMOOTH, Closure, Leaf, Mask
 from .fields import combine, constant, product
 from .microfacets import as_openpbr, fixed, squared, subsurface_parameters, turn_of
 from .normals import bend_of
+from .nodes import source_of
 from .shaders import blended, inverse, multiplied, shades, shining
 
 
@@ -36,7 +37,8 @@ def principled(reading, source):
     if not reading.number(source, "Anisotropic", low=0.0, high=1.0).is_value(0.0):
         turn = turn_of(reading, source, "Anisotropic Rotation")
     opaque, glass = (None if unused else Leaf("openpbr", _parameters(reading, source, transmits, opaque_metal), (),
-                                              transmits, bend, turn=None if transmits else turn)
+                                              transmits, bend, turn=None if transmits else turn,
+                                              coat_bend=_coat_bend(reading, source, bend))
                      for transmits, unused in ((False, transmission.is_value(1.0)), (True, transmission.is_value(0.0))))
     bsdf = blended(transmission, opaque, glass)
     emission = multiplied(reading, reading.colour(source, "Emission Color"),
@@ -123,8 +125,6 @@ def _add_coat(reading, source, parameters, transmits):
     parameters |= {"coat_weight": weight, "coat_ior": ior, "coat_darkening": 0.0, "coat_roughness": roughness}
     tint = reading.colour(source, "Coat Tint", default=1.0, high=1.0)
     _add(parameters, "coat_color", tint, 1.0)
-    if reading.is_linked(source, "Coat Normal") or reading.is_linked(source, "Normal"):
-        reading.note(node, "the coat has the normals of what is below it")
     if transmits:
         return
     share = weight.number if weight.is_constant else 1.0
@@ -146,6 +146,17 @@ def _add_coat(reading, source, parameters, transmits):
         middle = (low + high) / 2
         low, high = (middle, high) if seen(middle) < given else (low, middle)
     parameters["specular_roughness"] = constant(low)
+
+
+def _coat_bend(reading, source, bend):
+    """Of the coat, which has the surface's normals where nothing is linked."""
+    if reading.number(source, "Coat Weight", low=0.0, high=1.0).is_value(0.0):
+        return None
+    feed, below = (source_of(reading.at(source, name)) for name in ("Coat Normal", "Normal"))
+    if feed is not None and feed == below:
+        return None
+    coat = bend_of(reading, source, "Coat Normal")
+    return coat if coat is not None or bend is None else SMOOTH
 
 
 def _add_sheen(reading, source, parameters):
