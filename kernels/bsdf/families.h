@@ -314,11 +314,15 @@ FN bool lets_light_through(Closure c) {
 /// base does not end the light from there, it does not: the base's normal decides what goes inside.
 FN bool has_open_coat(Closure c) {
   const bool own = (c.variant & (OPENPBR_OWN_COAT | OPENPBR_WALKS)) == OPENPBR_OWN_COAT;
-  return is_among(c, OPENPBRS_LAYERED) & own & !lets_light_through(c);
+  const bool layered = is_among(c, OPENPBRS_LAYERED), through = lets_light_through(c);
+  return layered & own & !through;
 }
 
 /// Whether light from below the horizon of the shading normal matters.
-FN bool is_lit_all_around(Closure c) { return lets_light_through(c) | has_open_coat(c); }
+FN bool is_lit_all_around(Closure c) {
+  const bool through = lets_light_through(c), open = has_open_coat(c);
+  return through | open;
+}
 
 FN bool has_closed_form(Closure c) { return is_among(c, families_with(CLOSED_FORM)); }
 

@@ -21,6 +21,8 @@ namespace {
 
 bool absorbs_nothing(const OpenPbrBsdf& bsdf) {
   const bool white_metal = bsdf.base_metalness.value == 0.0f || bsdf.specular_weight.value == 1.0f;
+  // Of glTF's, the brightest channel of a film takes from all.
+  if (bsdf.gltf && bsdf.filmed()) return false;
   const bool keeps = bsdf.gltf || (bsdf.specular_color.value.x == 1.0f && white_metal);
   const bool white = !bsdf.scatters_below() || bsdf.subsurface_color.value.x == 1.0f;
   return bsdf.base_color.value.x == 1.0f && keeps && white && !bsdf.inside;
@@ -171,7 +173,7 @@ OpenPbrBsdf random_reciprocal(RandomNumbers& random, Reciprocal kind) {
 
 TEST(OpenPbr, IsReciprocalWithoutLayersOverWhatReflects) {
   RandomNumbers random(6);
-  for (int k = 0; k < 240; ++k) {
+  for (int k = 0; k < 96; ++k) {
     const auto kind = Reciprocal(k % 6);
     const OpenPbrBsdf bsdf = random_reciprocal(random, kind);
     Surface surface(bsdf);
