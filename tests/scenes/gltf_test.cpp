@@ -13,6 +13,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 void expect_near(glm::dvec3 a, glm::dvec3 b, double tolerance = 1e-12) {
   EXPECT_NEAR(a.x, b.x, tolerance);
@@ -333,7 +334,7 @@ TEST_F(GltfTextures, ClearCoatsHaveNormalsOfTheirOwnOrNone) {
   const auto material = [&](const std::string& normals, const std::string& coat) {
     const SceneDescription scene = with_material(
         "{" + normals + R"("extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": )" + coat + "}}}");
-    EXPECT_TRUE(scene.warnings.empty());
+    for (const std::string& warning : scene.warnings) EXPECT_THAT(warning, Not(HasSubstr("coat")));
     const Bsdf leaf = scene.bsdfs.at(0), behind = scene.bsdfs.at(1);
     EXPECT_EQ(leaf.coat_bend.has_value(), behind.coat_bend.has_value());
     if (leaf.coat_bend && leaf.coat_bend->kind != BendKind::kNone) {
