@@ -173,14 +173,18 @@ def _procedure(bl_idname, coordinates=None):
     return feed
 
 
-def _normal_map(made):
+def _normal_map(made, flat=0.6):
     image, flatter = add_node(made, "ShaderNodeTexImage"), add_node(made, "ShaderNodeMixRGB", {"Color2": (0.5, 0.5, 1.0)})
     image.image = picture(colourspace="Non-Color")
-    flatter.inputs["Fac"].default_value = 0.6
+    flatter.inputs["Fac"].default_value = flat
     link(made, image.outputs["Color"], flatter.inputs["Color1"])
     node = add_node(made, "ShaderNodeNormalMap")
     link(made, flatter.outputs[0], node.inputs["Color"])
     return node.outputs[0]
+
+
+def _faint_normal_map(made, flat=0.95):
+    return _normal_map(made, flat)
 
 
 def _bump(made):
@@ -273,11 +277,13 @@ MATERIALS = {
     "checker over the object": _diffuse_of(_procedure("ShaderNodeTexChecker", "Object")),
     "normal map": _bent(_normal_map), "bump": _bent(_bump), "bump of noise": _bent(_bump_of_noise),
     "displacement of noise": _displacement,
-    "smooth coat over a metal with bumps": _coated({"Base Color": _COLOUR, "Metallic": 1.0, "Roughness": 0.3,
-                                                    "Coat Roughness": 0.1}, below=_normal_map),
-    "coat with bumps": _coated({"Base Color": (0.1, 0.05, 0.02), "Coat Roughness": 0.1, "Metallic": 1.0}, coat=_normal_map),
-    "coat and base with bumps of their own": _coated({"Base Color": _COLOUR, "Metallic": 1.0, "Roughness": 0.4},
-                                                     below=_bump, coat=_normal_map),
+    "smooth coat over bumps": _coated({"Base Color": _COLOUR, "Specular IOR Level": 0.0, "Coat Roughness": 0.1},
+                                      below=_normal_map),
+    # Faint ones: Cycles tilts normals whose mirror directions would be below the surface.
+    "coat with bumps": _coated({"Base Color": _COLOUR, "Coat Roughness": 0.1}, coat=_faint_normal_map),
+    "coat and base with bumps of their own": _coated(
+        {"Base Color": _COLOUR, "Metallic": 1.0, "Roughness": 0.4}, below=lambda made: _faint_normal_map(made, 0.9),
+        coat=_faint_normal_map),
 }
 if bpy.app.version >= (4, 3, 0):
     MATERIALS["metallic anisotropic"] = _brushed("ShaderNodeBsdfMetallic", {
