@@ -129,7 +129,7 @@ TEST_F(MitsubaNested, MapsBendLayersOfOpenPbr) {
   };
   const std::string coated = bsdf("openpbr", number("coat_weight", "1"));
   const auto leaf = [&](const std::string& text) { return material(text).bsdfs.at(0); };
-  const SurfaceBend two{BendKind::kBumpMap, 0, 2}, three{BendKind::kBumpMap, 0, 3};
+  const SurfaceBend two{BendKind::kBumpMap, 0, 2};
   const Bsdf base = leaf(map("base", coated, "2")), coat = leaf(map("coat", coated, "2")),
              all = leaf(map("all", coated, "2"));
   EXPECT_EQ(base.bend, two);
