@@ -23,6 +23,15 @@ namespace {
 constexpr int kPilotPhotons = 50'000;
 constexpr int kFewestPhotons = 10'000, kMostPhotonPaths = 1'000'000;
 constexpr int kMostPolygons = 32;
+// What advice may cost: this share of a render of the scene's film, or this much work, some 2 s of a core.
+constexpr double kMostOfRender = 0.03, kLeastBudget = 8e6;
+constexpr int kFewestTiles = 16;
+// What all pilots take: the photons' maps, and so many times the tiles of the first one. Lookups of photons
+// and closed forms take about twice as much.
+constexpr double kMapsWork = 2e6, kAllOverFirst = 7;
+// Work of building a device scene's tables, for each word: 5 to 11 ns, where a unit of work takes 250 ns.
+constexpr double kWordWork = 0.03;
+constexpr int kOtherScenes = 4;  // that are built after the first
 // What replaces something else must be better by this factor, and by so many standard errors. Photons by
 // fewer: rare bright samples of paths, which make the standard error large, are what photons are for, and a
 // pilot that meets few of them is more often too sure of paths than too doubtful.
@@ -70,8 +79,7 @@ int round_photons(double photons) {
 
 class Adviser {
  public:
-  Adviser(SceneDescription& scene, const AdviceOptions& options)
-      : scene_(scene), options_(options), tiles_(pilot_tiles(scene.film)) {
+  Adviser(SceneDescription& scene, const AdviceOptions& options) : scene_(scene), options_(options) {
     pixels_ = double(scene.film.crop_width) * scene.film.crop_height;
   }
 
@@ -108,6 +116,7 @@ class Adviser {
     if (!device) return std::unexpected(device.error());
     device->header.sampler.seed = 0;
     // The same words and header are the same render.
+    if (first_scene_ != nullptr) spent_ += build_work();
     if (first_scene_ != nullptr && device->words == first_scene_->words &&
         std::memcmp(&device->header, &first_scene_->header, sizeof device->header) == 0)
       return {};
@@ -119,9 +128,12 @@ class Adviser {
       return {};
     }
     if (has_maps) device->header.integrator.samples_per_map = kPilotSamples;
+    const WorkWeights weights = work_weights(device->header);
+    if (first_scene_ == nullptr)
+      if (auto done = choose_tiles(*device, weights); !done) return std::unexpected(done.error());
     auto pilot = render_pilot(*device, tiles_, options_.threads);
     if (!pilot) return std::unexpected(pilot.error());
-    const WorkWeights weights = work_weights(device->header);
+    spent_ += path_work(pilot->traced, weights) + photon_work(pilot->traced, weights);
     m.vertex_work = path_work(pilot->traced, weights) / double(pilot->samples);
     if (m.photons > 0)
       m.photon_work = photon_work(pilot->traced, weights) / (double(m.photons) * kPilotBatches);
@@ -130,6 +142,29 @@ class Adviser {
     measured_.push_back(std::move(m));
     judge();
     return {};
+  }
+
+  /// Sets the budget by a few tiles of the first candidate, and takes so many tiles that all pilots meet it.
+  Expected<void> choose_tiles(const DeviceScene& first, const WorkWeights& weights) {
+    const std::vector<PilotTile> few = pilot_tiles(scene_.film, kFewestTiles);
+    const auto probe = render_pilot(first, few, options_.threads);
+    if (!probe) return std::unexpected(probe.error());
+    spent_ = path_work(probe->traced, weights);
+    const double of_render = kMostOfRender * kAdvisedSamples * pixels_ * spent_ / double(probe->samples);
+    budget_ = std::max(kLeastBudget, of_render);
+    const double built = kOtherScenes * kWordWork * double(first.words.size());
+    const double left = budget_ - spent_ - built - kMapsWork;
+    const double tiles = double(few.size()) * left / std::max(kAllOverFirst * spent_, 1.0);
+    tiles_ = pilot_tiles(scene_.film, int(std::clamp(tiles, double(kFewestTiles), double(kPilotTiles))));
+    return {};
+  }
+
+  [[nodiscard]] double build_work() const { return kWordWork * double(first_scene_->words.size()); }
+
+  /// Whether another candidate, which takes as much as the first, would exceed the budget.
+  [[nodiscard]] bool is_too_much() const {
+    const Measured& first = measured_.front();
+    return spent_ + build_work() + first.vertex_work * double(first.pilot.samples) > budget_;
   }
 
   Expected<void> try_photons(const Technique& first) {
@@ -146,8 +181,10 @@ class Adviser {
 
   Expected<void> try_variation(const Technique& changed) {
     if (is_fixed(changed)) return {};
-    if (changed.not_because.empty()) return measure(changed);
+    if (changed.not_because.empty() && !is_too_much()) return measure(changed);
     not_compared_.push_back(changed);
+    std::string& reason = not_compared_.back().not_because;
+    if (reason.empty()) reason = "its pilot would cost too much";
     return {};
   }
 
@@ -231,6 +268,8 @@ class Adviser {
   Advice advice(std::size_t chosen_index) const {
     Advice advice;
     advice.chosen = chosen_index;
+    advice.work = spent_;
+    advice.most_work = budget_;
     const Measured& chosen = measured_[advice.chosen];
     const double pixels =
         std::accumulate(tiles_.begin(), tiles_.end(), 0.0,
@@ -251,6 +290,7 @@ class Adviser {
   const AdviceOptions& options_;
   std::vector<PilotTile> tiles_;
   double pixels_ = 0;
+  double spent_ = 0, budget_ = 0;  ///< in units of work; the first device scene is not counted
   std::unique_ptr<DeviceScene> first_scene_;
   std::vector<Measured> measured_;
   std::vector<Technique> not_compared_;

@@ -28,6 +28,8 @@ struct Advice {
   std::vector<AdviceRow> rows;  ///< the first is the scene's own; those with not_because have no numbers
   std::size_t chosen = 0;
   double seconds = 0;  ///< that the pilots took
+  double work = 0;     ///< of all pilots and of building their scenes but the first, see work.h
+  double most_work = 0;
 
   [[nodiscard]] const Technique& choice() const { return rows[chosen].candidate; }
 };
@@ -40,8 +42,10 @@ struct AdviceOptions {
   int threads = 1;                             ///< the advice does not depend on them
 };
 
-/// Renders the pilots. The scene is as before when it returns. Errors: those of building device scenes and of
-/// devices; a scene of which the pilots see no light; settings of which nothing is left to choose.
+/// Renders the pilots, for at most some 3 % of the work of a render of kAdvisedSamples or 2 s of a core; the
+/// first candidate and photons are always compared, others as far as counted work allows. The scene is as
+/// before when it returns. Errors: those of building device scenes and of devices; a scene of which the
+/// pilots see no light; settings of which nothing is left to choose.
 Expected<Advice> advise(SceneDescription& scene, const AdviceOptions& options);
 
 }  // namespace penumbra

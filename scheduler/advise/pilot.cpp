@@ -19,14 +19,14 @@ int number_below(int end, int tile, int which) {
 
 }  // namespace
 
-std::vector<PilotTile> pilot_tiles(const Film& film) {
+std::vector<PilotTile> pilot_tiles(const Film& film, int most) {
   const int width = film.crop_width, height = film.crop_height;
   const int across = (width + kPilotSide - 1) / kPilotSide, down = (height + kPilotSide - 1) / kPilotSide;
   int columns = across, rows = down;
-  if (std::int64_t(across) * down > kPilotTiles) {
-    columns = int(std::lround(std::sqrt(double(kPilotTiles) * across / down)));
-    columns = std::clamp(columns, 1, std::min(across, kPilotTiles));
-    rows = std::clamp(kPilotTiles / columns, 1, down);
+  if (std::int64_t(across) * down > most) {
+    columns = int(std::lround(std::sqrt(double(most) * across / down)));
+    columns = std::clamp(columns, 1, std::min(across, most));
+    rows = std::clamp(most / columns, 1, down);
   }
   std::vector<PilotTile> tiles;
   for (int row = 0; row < rows; ++row)

@@ -15,15 +15,15 @@ namespace penumbra {
 constexpr int kPilotBatches = 4;
 constexpr int kPilotSamples = 8;  ///< per pixel and batch
 constexpr int kPilotSide = 8;     ///< of a tile in pixels
-constexpr int kPilotTiles = 64;   ///< at most
+constexpr int kPilotTiles = 64;   ///< by default at most
 
 struct PilotTile {
   int x = 0, y = 0, width = 0, height = 0;  ///< in film pixels
 };
 
 /// Tiles of the film's crop window, one at a random place of each cell of a grid; all of the window if that
-/// is small. The same for the same window.
-std::vector<PilotTile> pilot_tiles(const Film& film);
+/// is small. The same for the same window. At most `most`.
+std::vector<PilotTile> pilot_tiles(const Film& film, int most = kPilotTiles);
 
 struct Pilot {
   /// Of each batch, mean radiance [3 * pixel + channel]; pixels are those of the tiles, one after the other,

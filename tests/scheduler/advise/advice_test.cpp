@@ -90,6 +90,23 @@ TEST_F(AdviceTest, DoesNotDependOnSeedOrSamples) {
   EXPECT_EQ(a, b);
 }
 
+TEST_F(AdviceTest, CostsLittle) {
+  // 3 % of 64 samples per pixel are 1.92 samples; a small film has the same least budget.
+  SceneDescription scene = read(file("caustic.xml"));
+  const auto small = advise(scene, {.threads = 2});
+  ASSERT_TRUE(small);
+  EXPECT_EQ(small->most_work, 8e6);
+  EXPECT_LE(small->work, small->most_work);
+  EXPECT_GT(small->work, 0);
+  scene.film.width = scene.film.crop_width = 8000;
+  scene.film.height = scene.film.crop_height = 6000;
+  const auto large = advise(scene, {.threads = 2});
+  ASSERT_TRUE(large);
+  const double of_render = 1.92 * 8000 * 6000 * large->rows.front().work;
+  EXPECT_NEAR(large->most_work / of_render, 1, 0.2) << "known from a few tiles";
+  EXPECT_LE(large->work, large->most_work);
+}
+
 TEST_F(AdviceTest, KeepsWhatIsFixed) {
   SceneDescription scene = read(file("caustic.xml"));
   const auto advice =

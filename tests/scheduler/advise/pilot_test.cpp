@@ -45,6 +45,14 @@ TEST(PilotTiles, AreDistinctAndInTheCropWindow) {
   }
 }
 
+TEST(PilotTiles, AreAtMostAsMany) {
+  for (const int most : {16, 17, 40}) {
+    const std::size_t tiles = pilot_tiles(film_of(640, 360), most).size();
+    EXPECT_LE(tiles, std::size_t(most));
+    EXPECT_GT(tiles, std::size_t(most) * 3 / 4);
+  }
+}
+
 TEST(PilotTiles, CoverASmallWindow) {
   int pixels = 0;
   for (const PilotTile& tile : pilot_tiles(film_of(24, 20))) pixels += tile.width * tile.height;
