@@ -26,12 +26,11 @@ constexpr int kMostPolygons = 32;
 // What advice may cost: this share of a render of the scene's film, or this much work, some 2 s of a core.
 constexpr double kMostOfRender = 0.03, kLeastBudget = 8e6;
 constexpr int kFewestTiles = 16;
-// What all pilots take: the photons' maps, and so many times the tiles of the first one. Lookups of photons
-// and closed forms take about twice as much.
-constexpr double kMapsWork = 2e6, kAllOverFirst = 7;
+// What the first candidate and photons take: maps, and so many times the paths of the first one. Only where
+// these two exceed the budget, there are fewer tiles: few tiles miss caustics.
+constexpr double kMapsWork = 2e6, kBothOverFirst = 2.2;
 // Work of building a device scene's tables, for each word: 5 to 11 ns, where a unit of work takes 250 ns.
 constexpr double kWordWork = 0.03;
-constexpr int kOtherScenes = 4;  // that are built after the first
 // What replaces something else must be better by this factor, and by so many standard errors. Photons by
 // fewer: rare bright samples of paths, which make the standard error large, are what photons are for, and a
 // pilot that meets few of them is more often too sure of paths than too doubtful.
@@ -144,7 +143,7 @@ class Adviser {
     return {};
   }
 
-  /// Sets the budget by a few tiles of the first candidate, and takes so many tiles that all pilots meet it.
+  /// Sets the budget by a few tiles of the first candidate, and takes so many tiles that photons meet it.
   Expected<void> choose_tiles(const DeviceScene& first, const WorkWeights& weights) {
     const std::vector<PilotTile> few = pilot_tiles(scene_.film, kFewestTiles);
     const auto probe = render_pilot(first, few, options_.threads);
@@ -152,9 +151,9 @@ class Adviser {
     spent_ = path_work(probe->traced, weights);
     const double of_render = kMostOfRender * kAdvisedSamples * pixels_ * spent_ / double(probe->samples);
     budget_ = std::max(kLeastBudget, of_render);
-    const double built = kOtherScenes * kWordWork * double(first.words.size());
+    const double built = kWordWork * double(first.words.size());
     const double left = budget_ - spent_ - built - kMapsWork;
-    const double tiles = double(few.size()) * left / std::max(kAllOverFirst * spent_, 1.0);
+    const double tiles = double(few.size()) * left / std::max(kBothOverFirst * spent_, 1.0);
     tiles_ = pilot_tiles(scene_.film, int(std::clamp(tiles, double(kFewestTiles), double(kPilotTiles))));
     return {};
   }
