@@ -186,6 +186,36 @@ FN vec3 photon_weight(Surface s, BsdfSample next, bool bumps) {
   return scale(next.weight, shadow * sqr(next.eta) * (bent ? in / out : 1.0f));
 }
 
+/// OpenPBR's surfaces are not reciprocal: light goes from wi to wo by their values for these two. Their
+/// samples get the weights that a reciprocal surface of such values would have, but for directions to the
+/// other side.
+STAGE void weigh_the_other_way(const PRIVATE Closures* RESTRICT closures,
+                               const PRIVATE Surfaces* RESTRICT surfaces,
+                               const PRIVATE BsdfValues* RESTRICT values,
+                               PRIVATE BsdfSamples* RESTRICT samples) {
+  LANE_LOOP
+    for (int j = 0; j < LANES; j++) {
+      const Surface s = load_surface(surfaces, j);
+      const BsdfSample next = load_bsdf_sample(samples, j);
+      const BsdfValue value = load_bsdf_value(values, j);
+      const float in = dot3(s.shading, s.wo), out = dot3(s.shading, next.wi);
+      const bool known = (in > 0.0f) & (out > 0.0f) & (next.pdf > 0.0f) & (next.pdf != DELTA_PDF);
+      const bool turned = known & is_among(load_closure(closures, j), OPENPBRS);
+      const float factor = turned ? out / (in * next.pdf) : 0.0f;
+      STORE_LANE_vec3(samples->weight, j, select3(turned, scale(value.f_cos, factor), next.weight));
+    }
+}
+FN void weigh_openpbr(const PRIVATE Scene* scene, PRIVATE StepLanes* step) {
+  Surfaces seen = step->surfaces;
+  float wi[3 * LANES];
+  for (int j = 0; j < LANES; j++) {
+    STORE_LANE_vec3(seen.wo, j, LOAD_LANE_vec3(step->samples.wi, j));
+    STORE_LANE_vec3(wi, j, LOAD_LANE_vec3(step->surfaces.wo, j));
+  }
+  eval_bsdfs(scene, step->families & OPENPBRS, &step->closures, &seen, wi, &step->values);
+  weigh_the_other_way(&step->closures, &step->surfaces, &step->values, &step->samples);
+}
+
 /// Scatters the photons of LANES paths, or ends them. Russian roulette keeps the power of photons alike.
 STAGE void scatter_photons(const PRIVATE Scene* scene, const PRIVATE PathState* paths, int i,
                            const PRIVATE StepLanes* RESTRICT step) {
@@ -231,6 +261,7 @@ CALLED_FN void step_photons(const PRIVATE Scene* scene, const PRIVATE PathState*
     if (NEEDS(scene, DISPERSION)) disperse(scene, true, paths, i, &step);
     sample_bsdfs(scene, step.families, &step.closures, &step.surfaces, step.u + DIM_BSDF_U * LANES,
                  step.u + DIM_LOBE_CHOICE * LANES, &step.samples);
+    if ((COMPILED_FAMILIES & OPENPBRS) != 0u && (step.families & OPENPBRS) != 0u) weigh_openpbr(scene, &step);
     scatter_photons(scene, paths, i, &step);
     if (NEEDS_MEDIA(scene)) go_on_in_media(paths, i, &step.surfaces);
     if (NEEDS(scene, INSTANCES)) leave_instances(paths, i, &step.surfaces);

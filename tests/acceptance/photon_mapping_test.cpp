@@ -406,6 +406,31 @@ TEST_P(PhotonSamples, SeeSmoothAndBumpySurfacesAsPathsDo) {
   }
 }
 
+/// A wall that sees only what the floor reflects of light at a grazing angle.
+SceneDescription grazed_floor(const IntegratorSettings& integrator, const OpenPbrBsdf& bsdf) {
+  SceneDescription scene = empty_scene(8, 8, 64, 1);
+  scene.camera = look_at({0, -3, 0.5}, {0, 1, 0.5}, {0, 0, 1}, 6);
+  scene.integrator = integrator;
+  const int grey = add_diffuse(scene, 0.8f);
+  scene.shapes.push_back(parallelogram({-1, 1, 0}, {2, 0, 0}, {0, 0, 2}, grey));
+  scene.bsdfs.push_back({"floor", bsdf});
+  scene.shapes.push_back(parallelogram({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, int(scene.bsdfs.size()) - 1));
+  scene.emitters.emplace_back(DirectionalLight{.irradiance = glm::vec3(10.0f), .direction = {1, 0, -0.2}});
+  return scene;
+}
+
+// What is below microfacets, coat and fuzz is dimmed for the viewer's direction alone.
+TEST_P(PhotonSamples, LeaveLayersAsPathsDo) {
+  OpenPbrBsdf plain, coated, fuzzy;
+  coated.coat_weight = 1.0f;
+  fuzzy.fuzz_weight = 1.0f;
+  for (const OpenPbrBsdf& bsdf : {plain, coated, fuzzy}) {
+    SceneDescription scene = grazed_floor(progressive(50000, 0.02f, 3), bsdf);
+    scene.sampler.spp /= std::uint32_t(GetParam());
+    expect_as_paths(scene, grazed_floor(media::volpath(DirectSampling::kMis, 3), bsdf), 4, 1024);
+  }
+}
+
 /// A room with every kind of emitter; the sky is a map or a constant.
 SceneDescription room_of_emitters(const IntegratorSettings& integrator, bool map) {
   SceneDescription scene = empty_scene(8, 8, 32, 1);
