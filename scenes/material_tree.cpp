@@ -14,6 +14,14 @@ bool is_branch(const MaterialTree& tree) {
   return is_mask(tree) || std::holds_alternative<BlendBsdf>(tree->bsdf.model);
 }
 
+/// Whether any leaf's BSDF has the property.
+template <typename Property>
+bool any_leaf(const MaterialTree& tree, const Property& property) {
+  if (tree == nullptr) return false;
+  return is_branch(tree) ? any_leaf(tree->first, property) || any_leaf(tree->second, property)
+                         : property(tree->bsdf);
+}
+
 }  // namespace
 
 MaterialTree leaf(std::string name, BsdfModel model) {
@@ -63,33 +71,23 @@ bool is_nothing(const MaterialTree& tree) {
   return tree != nullptr && std::holds_alternative<NullBsdf>(tree->bsdf.model);
 }
 
-bool is_bent(const MaterialTree& tree) {
-  if (tree == nullptr) return false;
-  if (is_branch(tree)) return is_bent(tree->first) || is_bent(tree->second);
-  return tree->bsdf.bend.kind != BendKind::kNone || is_coat_bent(tree);
-}
+bool is_bent(const MaterialTree& tree) { return is_base_bent(tree) || is_coat_bent(tree); }
 
 bool is_coat_bent(const MaterialTree& tree) {
-  if (tree == nullptr) return false;
-  if (is_branch(tree)) return is_coat_bent(tree->first) || is_coat_bent(tree->second);
-  return tree->bsdf.coat_bend.value_or(tree->bsdf.bend).kind != BendKind::kNone;
+  return any_leaf(
+      tree, [](const Bsdf& bsdf) { return bsdf.coat_bend.value_or(bsdf.bend).kind != BendKind::kNone; });
 }
 
 bool is_base_bent(const MaterialTree& tree) {
-  if (tree == nullptr) return false;
-  if (is_branch(tree)) return is_base_bent(tree->first) || is_base_bent(tree->second);
-  return tree->bsdf.bend.kind != BendKind::kNone;
+  return any_leaf(tree, [](const Bsdf& bsdf) { return bsdf.bend.kind != BendKind::kNone; });
 }
 
 bool has_openpbr(const MaterialTree& tree) {
-  if (tree == nullptr) return false;
-  if (is_branch(tree)) return has_openpbr(tree->first) || has_openpbr(tree->second);
-  return std::holds_alternative<OpenPbrBsdf>(tree->bsdf.model);
+  return any_leaf(tree, [](const Bsdf& bsdf) { return std::holds_alternative<OpenPbrBsdf>(bsdf.model); });
 }
 
 bool is_turned(const MaterialTree& tree) {
-  if (tree == nullptr) return false;
-  return is_branch(tree) ? is_turned(tree->first) || is_turned(tree->second) : tree->bsdf.turn.turns();
+  return any_leaf(tree, [](const Bsdf& bsdf) { return bsdf.turn.turns(); });
 }
 
 namespace {

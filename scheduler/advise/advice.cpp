@@ -114,8 +114,8 @@ class Adviser {
     auto device = build_device_scene(scene_, device_options);
     if (!device) return std::unexpected(device.error());
     device->header.sampler.seed = 0;
-    // The same words and header are the same render.
     if (first_scene_ != nullptr) spent_ += build_work();
+    // The same words and header are the same render.
     if (first_scene_ != nullptr && device->words == first_scene_->words &&
         std::memcmp(&device->header, &first_scene_->header, sizeof device->header) == 0)
       return {};

@@ -18,6 +18,11 @@ constexpr int kMostProblems = 20;  // per job; the most recent ones
 constexpr std::chrono::hours kSubmissionIsAwaited{1};
 constexpr std::chrono::minutes kLongestWaitForAnEnd{1};
 
+/// Whether the job did not get all its samples or images, though nobody cancelled it.
+bool has_failed(const wire::JobStatus& job) {
+  return job.state() == wire::JOB_FAILED || job.state() == wire::JOB_INCOMPLETE;
+}
+
 }  // namespace
 
 // --- Which job is next
@@ -213,11 +218,9 @@ std::optional<std::vector<JobQueue::FrameImage>> JobQueue::frames_beside(JobId j
       continue;
     }
     const Entry& other = entries_.at(*found);
-    const wire::JobState state = other.job.status().state();
-    const bool has_failed = state == wire::JOB_FAILED || state == wire::JOB_INCOMPLETE;
     if (other.stage != Stage::kOver && other.stage != Stage::kAwaitsFrames) return {};
     // A frame that gets another try is queued again once the whole group is rendered.
-    if (has_failed && !other.job.tried_again() && !is_rendered(group->second)) return {};
+    if (has_failed(other.job.status()) && !other.job.tried_again() && !is_rendered(group->second)) return {};
     if (!other.job.whole()) continue;
     const auto& files = other.job.submission().files();
     const auto exr =
@@ -247,15 +250,15 @@ void JobQueue::settle() {
 /// would not either.
 void JobQueue::try_frames_again(const Group& group) {
   if (!is_rendered(group)) return;
-  const auto state_of = [this](JobId job) { return entries_.at(job).job.status().state(); };
-  if (std::ranges::none_of(group.jobs, [&](JobId job) {
-        return state_of(job) == wire::JOB_DONE || entries_.at(job).stage == Stage::kAwaitsFrames;
+  if (std::ranges::none_of(group.jobs, [this](JobId job) {
+        const Entry& entry = entries_.at(job);
+        return entry.job.status().state() == wire::JOB_DONE || entry.stage == Stage::kAwaitsFrames;
       }))
     return;
   for (const JobId job : group.jobs) {
     Entry& entry = entries_.at(job);
-    const bool has_failed = state_of(job) == wire::JOB_FAILED || state_of(job) == wire::JOB_INCOMPLETE;
-    if (!has_failed || !entry.job.status().has_frame() || entry.job.tried_again()) continue;
+    const wire::JobStatus& status = entry.job.status();
+    if (!has_failed(status) || !status.has_frame() || entry.job.tried_again()) continue;
     std::map<JobId, Readiness> known;
     if (readiness(entry, known) == Readiness::kNever) continue;  // what is before it has had its other try
     entry.job.set_tried_again(true);
