@@ -91,6 +91,11 @@ std::span<const Record> table(const DeviceScene& scene, TableSpan span) {
 /// every index is inside its table, and every enumerated value is known.
 Expected<void> check_device_scene(const DeviceScene& scene);
 
+/// Whether it has a coat with a normal of its own.
+inline bool has_own_coat(const Material& m) {
+  return (OPENPBRS_LAYERED >> m.family & 1u) != 0u && (m.variant & OPENPBR_OWN_COAT) != 0;
+}
+
 /// The closure of a material without textures.
 inline Closure closure_of(const Material& m) {
   Closure c;

@@ -330,8 +330,7 @@ class Checker : public RecordCheck {
               "bent normals without their feature bits");
       require(m.coat_bend == BEND_NONE || (has(FEATURE_COAT_NORMALS) && has(FEATURE_TEXTURES)),
               "normals of a coat without their feature bits");
-      const bool own_coat = (OPENPBRS_LAYERED >> m.family & 1u) != 0u && (m.variant & OPENPBR_OWN_COAT) != 0;
-      require(!own_coat || (has(FEATURE_COAT_NORMALS) && has(FEATURE_BENT) && has(FEATURE_UV)),
+      require(!has_own_coat(m) || (has(FEATURE_COAT_NORMALS) && has(FEATURE_BENT) && has(FEATURE_UV)),
               "a coat's own normal without its feature bits");
     }
   }

@@ -20,11 +20,6 @@ inline Material material_of_family(int family) {
 /// Whether the refractive index differs between colour channels.
 inline bool disperses(const Material& m) { return m.channel_ior.x != 0.0f; }
 
-/// Whether it has a coat with a normal of its own.
-inline bool has_own_coat(const Material& m) {
-  return (OPENPBRS_LAYERED >> m.family & 1u) != 0u && (m.variant & OPENPBR_OWN_COAT) != 0;
-}
-
 /// The set of fields that have a texture, as bits 1 << TEXTURED_*.
 inline unsigned textured_fields(const Material& m) {
   unsigned fields = 0;
